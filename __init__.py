@@ -11,7 +11,7 @@ What stands here is the public interface; whatever it needs is imported when it 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
 `summary`, `write_report`, `delivered`.
 A scene in the hand: `open`, to set, step, read, save and take back; `gym`, as an environment of Gymnasium.
-Many runs: `function`, `gradient`, `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `estimate`, `design`.
+Many runs: `function`, `gradient`, `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `likelihood`, `estimate`, `design`.
 Judging them: `validate`, `compare`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
@@ -60,7 +60,18 @@ if TYPE_CHECKING:
         write_report,
     )
     from .orchestrator.systems.building import build
-    from .orchestrator.systems.many import design, estimate, fit, function, gradient, run_many, sensitivity, sweep, uncertainty
+    from .orchestrator.systems.many import (
+        design,
+        estimate,
+        fit,
+        function,
+        gradient,
+        likelihood,
+        run_many,
+        sensitivity,
+        sweep,
+        uncertainty,
+    )
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -76,6 +87,7 @@ _PLACES = {
         "fit",
         "function",
         "gradient",
+        "likelihood",
         "run_many",
         "sensitivity",
         "sweep",
@@ -142,6 +154,7 @@ __all__ = [
     "integer",
     "kernel",
     "kernel_tuple",
+    "likelihood",
     "load_scene",
     "ode_kernels",
     "open",

@@ -125,6 +125,19 @@ class FitSettings(Model):
         default=50, description="largest number of evaluations of the residuals for each start"
     )
 
+    loss: Literal["linear", "soft_l1", "huber", "cauchy"] = Field(
+        default="linear",
+        description="of a residual beyond 1.345 standard deviations; all but linear, that is least squares, count outliers less",
+    )
+    profile: Truth = Field(
+        default=False, description="95 % intervals by fits with each parameter held, in the place of those of the Jacobian"
+    )
+
+    @property
+    def noise_known(self) -> bool:
+        """Whether the standard deviations of all measurements are given."""
+        return bool(self.targets) or all(m.deviation is not None for m in self.measured)
+
     @property
     def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
         """Curves and spectra."""
@@ -143,6 +156,12 @@ class FitSettings(Model):
                 "deviation = ... of every one",
                 "They have to be weighed against one another.",
             )
+        if self.loss != "linear" and not self.noise_known:
+            raise BadInput(
+                "loss", f"{self.loss!r} without the deviation of the measurement", "deviation = ...", "It tells outliers."
+            )
+        if self.loss != "linear" and self.profile:
+            raise BadInput("profile", f"a profile with loss = {self.loss!r}", "loss = 'linear', which is a likelihood")
         return self
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..harness.many.evaluations import SearchOptions
     from ..harness.many.fitting import SceneFit
     from ..harness.many.function import Function
+    from ..harness.many.likelihood import Likelihood
     from ..harness.many.sensitivity import Sensitivity
     from ..harness.many.uncertainty import Uncertainty
     from ..harness.sweep import AnswerOptions
@@ -240,6 +241,19 @@ def fit(
 
     how: SearchOptions = {"jobs": jobs, "cluster": cluster, "observe": observe, "summarize": summary}
     return answer(scene_of(scene), settings, output, folder=folder, verify=verify, **how)
+
+
+def likelihood(
+    scene: Scene | str | Path, settings: FitSettings | Mapping[str, Any] | str | Path, *, folder: str | Path = "."
+) -> Likelihood:
+    """log p(measurements | x) as a function of the parameters that a fit varies, with its exact `gradient(x)`, for SciPy, emcee, PyMC.
+
+    settings: of a fit, with the standard deviation of every measurement.  folder: of measured files, where the settings are no file.
+    Close it, or use `with`. Raises `BadInput`.
+    """
+    from ..harness.many.likelihood import Likelihood
+
+    return Likelihood(scene_of(scene), settings, folder, summarize=summary)
 
 
 @RENAMED

@@ -15,19 +15,17 @@ from ...scene.names import measure_of
 from ...scene.scene import Scene, write_scene
 from ...scene.tolerances import with_tolerances
 from ...settings.answers import FitSettings, FittedCurve
-from ...settings.messages import validated
-from ...settings.plan import KeepSettings
-from ..analysis.least_squares import Fit
+from ..analysis.least_squares import Fit, profile_end
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
-from ..validation.curves import CurveComparison, Measured, compare_curve, read_curve, units_of
-from ..validation.spectra import compare_spectrum, read_spectrum
-from .columns import column_name, keep_for
-from .evaluations import Evaluations, SearchOptions, evaluations
+from ..validation.curves import CurveComparison
+from ..validation.spectra import compare_spectrum
+from .evaluations import SearchOptions
 from .measures import PointResult
-from .plan import other_starts, read_settings
+from .plan import other_starts
 from .repetition import OF_DEVIATION
+from .residuals import KeptRun, Residuals, residuals_of
 from .searches import Ask, jacobian, run_searches
 
 FITTED = "fitted.toml"
@@ -103,48 +101,16 @@ def fit(
     runs of a Jacobian, and of several starts; no number depends on it. Raises `BadInput`, also where the start cannot be run, and
     `Stopped` where a signal has ended it.
     """
-    data, name, folder = read_settings(settings, "fit", scene, Path(folder))
-    wanted = validated(FitSettings, data, name)
-    units = units_of(scene)
-    curves = [(curve, read_curve(curve, folder, units)) for curve in wanted.curves]
-    for spectrum in wanted.spectra:
-        read_spectrum(spectrum, folder, units.get(spectrum.signal, ""))
-    signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
-    keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
-    keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
-    needed = {"fit: targets": [t.quantity for t in wanted.targets]}
-    with evaluations(scene, wanted.vary, keep, needed, directory, **how) as runs:
-        return _Fitting(scene, wanted, curves, folder, runs).answer(verify)
-
-
-@dataclass(frozen=True)
-class _KeptRun:
-    """Signals of a point, as a comparison with a measurement reads them."""
-
-    scene: Scene
-    row: PointResult
-
-    @property
-    def time(self) -> np.ndarray:
-        return self.row.time
-
-    @property
-    def measures(self) -> Mapping[str, str]:
-        return self.row.units
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.row.signals[name]
+    with residuals_of(scene, settings, directory, Path(folder), **how) as residuals:
+        return _Fitting(scene, residuals).answer(verify)
 
 
 class _Fitting:
-    """One fit: its residuals over the unit cube, from the rows of its runs."""
+    """One fit: its searches over the unit cube."""
 
-    def __init__(
-        self, scene: Scene, wanted: FitSettings, curves: Sequence[tuple[FittedCurve, Measured]], folder: Path, runs: Evaluations
-    ):
-        self.scene, self.wanted, self.curves, self.folder, self.runs = scene, wanted, curves, folder, runs
-        self.low, self.width = runs.low, runs.high - runs.low
-        self.size = 0  # residuals: as many as at the start
+    def __init__(self, scene: Scene, residuals: Residuals):
+        self.scene, self.residuals, self.wanted, self.runs = scene, residuals, residuals.wanted, residuals.runs
+        self.low, self.width = self.runs.low, self.runs.high - self.runs.low
 
     def answer(self, verify: bool) -> SceneFit:
         """Search from every start; the fit with the least residuals, what the others came to, and what shorter steps change."""
@@ -153,12 +119,14 @@ class _Fitting:
         (row,) = runs([first])
         if row.outcome != "done":
             raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")
-        self.size = self._residuals(first, row).size
+        self.residuals.size = self.residuals(first, row).size
         starts = [(first - self.low) / self.width, *other_starts(self.wanted.starts, len(names), self.wanted.seed)]
         rows = runs([self.low + u * self.width for u in starts])
         usable = [u for u, row in zip(starts, rows, strict=True) if row.outcome == "done"]
         fits = sorted(run_searches([self._search(u) for u in usable], runs), key=lambda f: float(f.residuals @ f.residuals))
         messages = [f"{len(starts) - len(usable)} of {len(starts)} starts could not be run"] if len(usable) < len(starts) else []
+        if self.wanted.profile:
+            fits[0] = self._profiled(fits[0])
         best = _in_units(fits[0], self.low, self.width)
         messages += [*best.messages, *_others(best, [_in_units(f, self.low, self.width) for f in fits[1:]], self.width)]
         (row,) = runs([best.values])
@@ -167,14 +135,14 @@ class _Fitting:
         messages += [row.reason] if row.reason else []
         messages += self._blurred(best, row) if verify else []
         fitted = self.scene.with_changes(runs.values(best.values))
-        comparisons = self._compared(fitted, row)
+        comparisons = self.residuals.compared(fitted, row)
         messages += [c.counted for c in comparisons if c.incomplete]
         messages += [text for c in comparisons if (text := _between(c))]
         charts = [
             *(c.chart() for c in comparisons),
-            *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra),
+            *(compare_spectrum(s, self.residuals.folder, KeptRun(fitted, row)).chart() for s in self.wanted.spectra),
         ]
-        targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
+        targets = tuple((t.quantity, t.value, t.deviation, self.residuals.target(row, t.quantity)) for t in self.wanted.targets)
         return SceneFit(
             replace(best, messages=tuple(messages)),
             {n: measure_of(self.scene, n) for n in names},
@@ -195,7 +163,7 @@ class _Fitting:
         (again,) = rows
         if again is None or again.outcome != "done":
             return repeated.messages()
-        change = 2.0 * (self._residuals(best.values, again) - self._residuals(best.values, row))
+        change = 2.0 * (self.residuals(best.values, again) - self.residuals(best.values, row))
         share = float(np.sqrt(np.mean(change**2) / best.variance)) if best.variance > 0.0 else 0.0
         return (
             [
@@ -206,58 +174,44 @@ class _Fitting:
             else []
         )
 
+    def _functions(self, ask: Ask) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
+        """Residuals (m,) and Jacobian (m, n) over the unit cube, by runs that are asked for."""
+
+        def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
+            p = [self.low + u * self.width for u in points]
+            return [self.residuals(x, row) for x, row in zip(p, ask(p), strict=True)]
+
+        def exact(u: np.ndarray) -> np.ndarray:
+            p = self.low + u * self.width
+            return self.runs.slopes(p, lambda row: self.residuals(p, row)) * self.width
+
+        step, names = self.wanted.step, self.runs.names
+        return lambda u: values([u])[0], lambda u: jacobian(values, u, step, names, exact(u))
+
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
         names, wanted = self.runs.names, self.wanted
-        known = bool(wanted.targets) or all(m.deviation is not None for m in wanted.measured)
 
         def search(ask: Ask) -> Fit:
-            def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
-                p = [self.low + u * self.width for u in points]
-                return [self._residuals(x, row) for x, row in zip(p, ask(p), strict=True)]
-
-            def exact(u: np.ndarray) -> np.ndarray:
-                p = self.low + u * self.width
-                return self.runs.slopes(p, lambda row: self._residuals(p, row)) * self.width
-
+            values, slopes = self._functions(ask)
             return least_squares(
-                lambda u: values([u])[0],
+                values,
                 dict(zip(names, start.tolist(), strict=True)),
                 dict.fromkeys(names, (0.0, 1.0)),
-                noise_known=known,
+                noise_known=wanted.noise_known,
                 most=wanted.evaluations,
-                jacobian=lambda u: jacobian(values, u, wanted.step, names, exact(u)),
+                jacobian=slopes,
+                loss=wanted.loss,
             )
 
         return search
 
-    def _residuals(self, p: np.ndarray, row: PointResult) -> np.ndarray:
-        """All residuals at parameters p, (m,); NaN where the run failed.
-
-        Raises `BadInput` where the stretch that both have depends on the parameters.
-        """
-        if row.outcome != "done":
-            return np.full(max(self.size, 1), np.nan)
-        parts: list[np.ndarray] = []
-        for (curve, _), comparison in zip(self.curves, self._compared(self.runs.scene, row), strict=True):
-            parts.append((comparison.simulated - comparison.measured) / (curve.deviation or 1.0))
-        parts += [compare_spectrum(s, self.folder, _KeptRun(self.runs.scene, row)).residuals for s in self.wanted.spectra]
-        parts += [np.array([(self._target(row, t.quantity) - t.value) / t.deviation]) for t in self.wanted.targets]
-        whole = np.concatenate(parts)
-        if self.size and whole.size != self.size:
-            raise BadInput(
-                "fit: measurements",
-                f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} within the first one",
-                "a stretch that does not depend on them",
-                "Cut the measurement to what every run covers.",
-            )
-        return whole
-
-    def _compared(self, scene: Scene, row: PointResult) -> list[CurveComparison]:
-        """Every curve beside a run."""
-        return [compare_curve(curve, measured, _KeptRun(scene, row)) for curve, measured in self.curves]
-
-    def _target(self, row: PointResult, quantity: str) -> float:
-        return row.numbers[column_name(row.numbers, quantity, "fit: targets")]
+    def _profiled(self, unit: Fit) -> Fit:
+        """A fit over the unit cube with the ends of its profiles as intervals."""
+        ends = [(k, way) for k in range(len(unit.names)) for way in (-1.0, 1.0)]
+        found = run_searches([lambda ask, e=e: profile_end(unit, *self._functions(ask), *e) for e in ends], self.runs)
+        texts = list(dict.fromkeys(text for _, text in found if text))
+        intervals = np.array([end for end, _ in found]).reshape(-1, 2)
+        return replace(unit, intervals=intervals, messages=(*unit.messages, *texts))
 
 
 def _between(comparison: CurveComparison) -> str:
