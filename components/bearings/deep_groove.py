@@ -32,7 +32,9 @@ from ..core.variables import PARTS, choice, count, input_, integer, output, para
 from .contacts import GAP, BallContacts
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
+from .life import LifeFactor, RatingLife
 from .loads import StaticLoads, static_loads
+from .motion import EVERYTHING
 from .races import BallDefect, Defect, Waviness, wave_shapes
 from .six_dof import (
     COARSE,
@@ -52,10 +54,6 @@ from .six_dof import (
     place,
     present_contacts,
 )
-
-DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
-VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
-EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 
 
 class Film(Effect):
@@ -190,6 +188,8 @@ class DeepGrooveBearing(KernelComponent):
     linearisation = Linearisation
     friction = Friction
     thermal_growth = ThermalGrowth
+    rating_life = RatingLife
+    life_factor = LifeFactor
 
     balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)

@@ -309,6 +309,13 @@ HARD_CASES = {
             effects=("linearisation", "damping"),
             inputs={"displacement_z": sine(1e-9, 100.0)},
         ),
+        "a life without load": HardCase(
+            "Nothing passes of it while no ball is loaded, and the factor stays at its bound.",
+            (AtMost("rating_life.rate", 0.0), AtMost("life_factor.a_iso", 50.0)),
+            effects=("rating_life", "life_factor"),
+            parameters={"diametral_clearance": 2e-5},
+            inputs={"displacement_x": sine(9.9e-6, 100.0), "speed": 500.0},
+        ),
         "film through standstill": HardCase(
             "The film's slope over the speed has no bound at 0; friction takes, in both directions.",
             (AtLeast("friction.power", 0.0), Finite()),

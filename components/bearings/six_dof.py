@@ -15,6 +15,7 @@ from .contacts import (
     ENERGY,
     GAP,
     LARGEST_CONTACT,
+    LOAD,
     LOADED,
     MAX_LOAD,
     SIN,
@@ -26,6 +27,7 @@ from .contacts import (
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
+from .life import put_life, ring_ratings
 from .races import TWO_PI, add_faults, highest_order, start_waves, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
@@ -59,6 +61,8 @@ class Constants:
     largest_load: float  # N, of a ball; beyond it the contacts are no small spots any more
     inner_film: float  # m (s/rad)^0.67; thickness = factor * |speed|^0.67
     outer_film: float
+    inner_rating: float  # N, load of a ball at which the inner ring has a rating life of 1; with `rating_life`
+    outer_rating: float
     levers: float  # lever of the moments over that of the tilts
 
 
@@ -100,6 +104,10 @@ def bearing_start(t, s, p, e):
         load, speed = 5.0 * e.film.nominal_load / p.balls, mean_surface_speed(p.ball_diameter, p.pitch_diameter, 1.0)
         k.inner_film = film_height(inner, inner_x, load, speed, e.film, False)
         k.outer_film = film_height(outer, outer_x, load, speed, e.film, False)
+    if e.rating_life is not None:
+        k.inner_rating, k.outer_rating = ring_ratings(
+            p.balls, gamma, p.inner_conformity, p.outer_conformity, e.rating_life.load_rating
+        )
     if e.published_levers is not None:
         # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
         k.levers = (0.5 * p.pitch_diameter - 0.25 * p.diametral_clearance) / contacts.lever
@@ -268,6 +276,8 @@ def bearing_outputs(t, s, p, e):
         torque = 0.5 * e.friction.coefficient * e.friction.bore_diameter * load
         y[e.friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
         y[e.friction.y + 1] = torque * abs(speed)
+    if e.rating_life is not None:
+        put_life(y, s.balls[:, LOAD], speed, k, e.rating_life, e.life_factor)
     for i in range(y.size):
         if not math.isfinite(y[i]):
             return NOT_FINITE

@@ -166,12 +166,13 @@ def run(
     from ..judgement.verification import run as run_scene
     from . import run_parts
 
+    recorded = listed("--record", record) if record else None
     given = {
         "master.step": step,
         "start_time": start,
         "stop_time": stop,
         "master.algorithm": algorithm,
-        "record.signals": listed("--record", record) if record else None,
+        "record.signals": recorded if not (effects or values or presets) else None,
         "limits": limits_of(limits, conditions),
     }
     loaded = loaded_scene(scene, given)
@@ -181,6 +182,7 @@ def run(
     effects_within = _tolerance_of_effects(effects, tolerance)
     changes = switched_on(loaded, effects) if effects_within is None else {}
     changes |= changes_of(loaded, values, presets)
+    changes |= {"record.signals": recorded} if recorded else {}  # of effects that are switched on, too
     changes |= _isolated(loaded) if isolate else {}
     loaded = changed(loaded, changes)
     mode = verify_mode(verify, no_verify, ("whole", "full", "steps"))

@@ -7,10 +7,11 @@ import time
 
 import numpy as np
 import pytest
-from cosimo.components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
+from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.geometry import BallGeometry
 from cosimo.components.bearings.hertz import effective_modulus
 from cosimo.components.bearings.loads import static_loads
+from cosimo.components.bearings.motion import DISPLACEMENT
 from cosimo.components.bearings.six_dof import bearing_outputs
 from cosimo.tests.systems.bearings.ring_contacts import ball_contacts
 

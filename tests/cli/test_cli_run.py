@@ -224,3 +224,10 @@ def test_a_dry_run_of_a_long_run_answers_at_once(capsys, monkeypatch):
     monkeypatch.setattr(dry_run, "run", lambda *_, **__: pytest.fail("it ran"))
     assert exit_code("run", "mass-on-spring", "--in-process", "--set", "mass.substep=1e-9", "--dry-run") == 0
     assert "no trial run of the first" in capsys.readouterr().out
+
+
+def test_record_of_an_effect_that_the_command_switches_on(tmp_path):
+    short = ("--in-process", "--no-verify", "--stop", 0.002)
+    switched = ("--effects", "left.friction", "--record", "left.friction.power")
+    assert exit_code("run", "rotor-run-up", *short, *switched, "-o", tmp_path) == 0
+    assert "left.friction.power" in (tmp_path / "result.csv").read_text(encoding="utf-8").partition("\n")[0]

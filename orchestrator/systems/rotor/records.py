@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...run.results import Result
 
 ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
-CARRIED = ("force_x", "force_y", "max_ball_load")  # by a bearing
+CARRIED = ("force_x", "force_y", "max_ball_load", "rating_life.rate")  # by a bearing
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class RotorRecord:
     """The recorded part of a rotor of a run.
 
     signals: x, y, speed, angle, those that were recorded.  ports: name of a bearing's port -> x, y of the shaft there and, of
-    the unit that drives the port, force_x, force_y, max_ball_load, those that were recorded.
+    the unit that drives the port, those of `CARRIED` that were recorded.
     """
 
     unit: str

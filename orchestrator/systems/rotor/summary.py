@@ -13,7 +13,8 @@ from .records import RotorRecord, rotors
 if TYPE_CHECKING:
     from ...run.results import Result
 
-HEADLINE = ("displacement_max", "speed_at_max", "force_max", "ball_load_max")  # what a run is judged by
+HOUR = 3600.0  # s
+HEADLINE = ("displacement_max", "speed_at_max", "force_max", "ball_load_max", "rating_life")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:
@@ -47,4 +48,9 @@ def _rows(rotor: RotorRecord, kept: slice) -> list[SummaryRow]:
                     f"largest load of a ball at {port}",
                 )
             )
+        if "rating_life.rate" in signals and (rate := float(signals["rating_life.rate"][kept].mean())) > 0.0:
+            life = SummaryRow(
+                f"{rotor.unit}.{port}.rating_life", 1.0 / (HOUR * rate), "h", f"rating life at {port}, by the run's loads"
+            )
+            numbers.append(life)
     return numbers

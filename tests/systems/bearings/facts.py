@@ -102,7 +102,19 @@ FACTS: dict[str, Facts] = {
     ),
     "DeepGrooveBearing": Facts(
         plain=(
-            ("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction", "thermal_growth"),
+            (
+                *(
+                    "film",
+                    "damping",
+                    "inner_waviness",
+                    "outer_defect",
+                    "ball_defect",
+                    "linearisation",
+                    "friction",
+                    "thermal_growth",
+                ),
+                *("rating_life", "life_factor"),
+            ),
             {"diametral_clearance": 5e-6},
             20,
         ),
@@ -123,8 +135,8 @@ FACTS: dict[str, Facts] = {
             },
             "thermal_growth.clearance_change": ({}, 1e-10),
         },
-        # A film vanishes with the power 0.67 of its viscosity; linearisation and friction change no output of the bearing's own.
-        structural=frozenset({"film", "published_levers", "linearisation", "friction"}),
+        # A film vanishes with the power 0.67 of its viscosity; linearisation, friction and life change no output of the bearing's own.
+        structural=frozenset({"film", "published_levers", "linearisation", "friction", "rating_life", "life_factor"}),
         form=frozenset(
             {
                 "inner_waviness.order",

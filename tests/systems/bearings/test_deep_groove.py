@@ -5,9 +5,10 @@ import warnings
 
 import numpy as np
 import pytest
-from cosimo.components.bearings.deep_groove import DISPLACEMENT, VELOCITY, DeepGrooveBearing
+from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.film import Lubricant, film_thickness
 from cosimo.components.bearings.hertz import effective_modulus, exact_ellipse
+from cosimo.components.bearings.motion import DISPLACEMENT, VELOCITY
 from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .....components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
+from .....components.bearings.deep_groove import DeepGrooveBearing
+from .....components.bearings.motion import DISPLACEMENT
 from ....harness.validation import Evidence, Runs
 from .statics import at_rest
 

@@ -13,13 +13,14 @@ import numpy as np
 from .....components.bearings.deep_groove import DeepGrooveBearing
 from .....components.bearings.load_zone import load_integrals, stribeck_number
 from .....components.bearings.loads import StaticLoads
+from .....components.bearings.motion import DISPLACEMENT
 from .....components.core.errors import StepFailed
 from .....components.core.kernels import DONE, REASONS
 from ....harness.validation import Evidence, Runs
 from .hertz_textbook import NEWTON_PER_MM
 
 PRESET = "ISO/TS 16281 example"
-LOAD = 1000.0  # N
+LOAD, LOAD_RATING = 1000.0, 23.4e3  # N
 ISO_CLEARANCES = (0.0, 10e-6)  # m, diametral
 RADIAL, AXIAL = np.array([1.0, 0, 0, 0, 0]), np.array([0, 0, 1.0, 0, 0])
 BALLS = (6, 7, 8, 9, 12, 16, 32, 64)
@@ -38,19 +39,38 @@ def at_rest(model: DeepGrooveBearing, forces: np.ndarray, held: Collection[str] 
 
 def bearing(clearance: float) -> DeepGrooveBearing:
     """The example with a diametral clearance in m, ready for its equilibrium."""
-    model = DeepGrooveBearing(preset=PRESET, parameters={"diametral_clearance": clearance})
+    parameters = {"diametral_clearance": clearance, "rating_life.load_rating": LOAD_RATING}
+    model = DeepGrooveBearing(["rating_life"], parameters, preset=PRESET)
     model.initialize(0.0)
     return model
 
 
+def life(model: DeepGrooveBearing, loads: StaticLoads) -> float:
+    """Reference rating life at an equilibrium, 10^6 revolutions."""
+    for name, value in zip(DISPLACEMENT, loads.displacement.tolist(), strict=True):
+        model.set(name, value)
+    model.refresh()
+    return float(LOAD_RATING / model["rating_life.equivalent_load"]) ** 3
+
+
 def displacements(runs: Runs) -> Evidence:
-    """Equilibria of the component, and the same over the load."""
+    """Equilibria of the component with their rating lives, and the displacements over the load."""
     tight, loose = (bearing(c) for c in ISO_CLEARANCES)
-    radial = at_rest(tight, LOAD * RADIAL)
+    radial, both = at_rest(tight, LOAD * RADIAL), at_rest(loose, LOAD * (RADIAL + AXIAL))
+    lives = {
+        f"{name}.life": life(model, at_rest(model, LOAD * way))
+        for model, clearance in ((tight, 0), (loose, 10))
+        for name, way in ((f"{clearance}.radial", RADIAL), (f"{clearance}.axial", AXIAL))
+    }
     measured = {
         "0.radial": 1e6 * radial.displacement[0],
         "0.axial": 1e6 * at_rest(tight, LOAD * AXIAL).displacement[2],
         "10.radial": 1e6 * at_rest(loose, LOAD * RADIAL).displacement[0],
+        "10.axial": 1e6 * at_rest(loose, LOAD * AXIAL).displacement[2],
+        "10.both.radial": 1e6 * both.displacement[0],
+        "10.both.axial": 1e6 * both.displacement[2],
+        "10.both.life": life(loose, both),
+        **lives,
         "0.first": radial.ball_loads[0],
         "0.second": radial.ball_loads[1],
         "stiffness": tight.arguments[0].contacts.stiffness / NEWTON_PER_MM,

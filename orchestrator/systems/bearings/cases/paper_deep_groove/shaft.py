@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ......components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
+from ......components.bearings.deep_groove import DeepGrooveBearing
 from ......components.bearings.geometry import BallGeometry
 from ......components.bearings.hertz import effective_modulus
+from ......components.bearings.motion import DISPLACEMENT
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
