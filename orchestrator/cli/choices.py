@@ -39,7 +39,7 @@ def with_setting_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReaso
     print(f"  from: {origin}")
     return (
         scene.with_changes(point.changes) if point.changes else scene,
-        lambda result: replace(result, info={**result.info, "accuracy": reasons}),
+        lambda result: replace(result, info=replace(result.info, accuracy=reasons)),
     )
 
 
@@ -55,22 +55,22 @@ def with_effects_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReaso
 
 def is_verified(result: Result, tolerance: float) -> bool:
     """Print the errors of the quantities of interest by what makes them, and whether each stays within the tolerance."""
-    verification = result.info["verification"]
-    if not verification["done"]:
-        print(f"NOT verified: {verification['why']}")
+    verification = result.info.verification
+    if not verification.done:
+        print(f"NOT verified: {verification.why}")
         return False
     numbers = {
-        cause: {n: inf if e is None else e for n, e in errors.items()} for cause, errors in verification["quantities"].items()
+        cause: {n: inf if e is None else e for n, e in errors.items()} for cause, errors in verification.quantities.items()
     }
     print_table(
         f"errors of the quantities of {result.scene.name}, each cause by itself",
         ("quantity", *numbers),
         [(name, *(percent(errors[name]) for errors in numbers.values())) for name in numbers[STEPS]],
     )
-    if missing := ", ".join(verification.get("not_refined", {})):
+    if missing := ", ".join(verification.not_refined):
         print(f"NOT verified: {missing} could not be refined")
         return False
-    if not_covered := verification.get("mesh", {}).get("not_covered"):
+    if not_covered := verification.mesh.not_covered:
         print(
             f"NOT verified: the mesh ({', '.join(not_covered)}) is not covered: {'; '.join(dict.fromkeys(not_covered.values()))}"
         )

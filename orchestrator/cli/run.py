@@ -251,9 +251,9 @@ def run(
             print_written(run_parts.write(result, numbers, output))
     run_parts.print_result(result, numbers)
     failed_limits = run_parts.print_limits(result, numbers)
-    warn([*result.info["warnings"], *remarks])
+    warn([*result.info.warnings, *remarks])
     if result.outcome != "done":
-        raise fail(result.message, STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
+        raise fail(result.message, STOPPED + Signals[result.info.signal] if result.outcome == "stopped" else FAILED_RUN)
     if failed_limits:
         raise SystemExit(FAILED_CHECK)
     if of_quantities is not None and accuracy_within is not None:

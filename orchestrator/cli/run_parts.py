@@ -57,7 +57,7 @@ def summary_of(result: Result) -> tuple[Summary, list[str]]:
     try:
         return summary(result), []
     except BadInput as error:
-        return pacing_rows(result.info), [f"no summary: {error}"] if result.outcome == "done" else []
+        return pacing_rows(result.info.real_time), [f"no summary: {error}"] if result.outcome == "done" else []
 
 
 def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
@@ -100,8 +100,8 @@ def print_limits(result: Result, numbers: Summary) -> bool:
 
 def print_result(result: Result, numbers: Summary) -> None:
     """Print the signals, the run in numbers, how far they can be trusted, and what the run took."""
-    verification = result.info["verification"]
-    errors = {name: percent(error["rms"]) for name, error in verification.get("signals", {}).items()}
+    verification = result.info.verification
+    errors = {name: percent(error.rms) for name, error in verification.signals.items()}
     unknown = "not known" if errors else ""
     print_table(
         f"{result.scene.title or result.scene.name}: {result.outcome}",
@@ -116,7 +116,8 @@ def print_result(result: Result, numbers: Summary) -> None:
         print_table(
             "Key results", ("name", "unit", "value ± error", "description"), [(r.name, r.unit, r.shown, r.text) for r in numbers]
         )
-    print(verification_text(verification) if verification["done"] else NO_ERRORS)
-    timing = result.info["timing"]
-    compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
-    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")
+    print(verification_text(verification) if verification.done else NO_ERRORS)
+    if (timing := result.info.timing) is None:
+        return
+    compiling = f", {timing.compile:.3g} s compiling (once)" if timing.compile else ""
+    print(f"{timing.simulated:g} s simulated in {timing.run:.3g} s, {timing.start:.3g} s to start{compiling}")

@@ -25,6 +25,7 @@ from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..opened.open_scene import OpenScene
 from ..run.results import Result
+from ..run.run_record import RunRecord, UnitRecord
 from ..scene.names import displaced
 from ..scene.scene import Scene
 from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
@@ -167,9 +168,7 @@ class TangentScene:
             dict(zip(names, rows.values[some].T, strict=True)),
             {},
             {name: scene.coupling.interfaces[unit].outputs[n].unit for name, (unit, n) in zip(names, ends, strict=True)},
-            {"units": {unit: {"parameters": own} for unit, own in parts.items()}},
-            "done",
-            "",
+            RunRecord(outcome="done", units={unit: UnitRecord(parameters=own) for unit, own in parts.items()}),
         )
         of_each = np.moveaxis(rows.tangents[some], 2, 0)
         return result, [dict(zip(names, t.T, strict=True)) for t in of_each], rows.at_tie

@@ -15,6 +15,7 @@ from ..judgement.warnings import doubts_of
 from ..run.comparison import differences
 from ..run.results import Result
 from ..run.run_info import flattened
+from ..run.run_record import RunRecord
 from .charts.blocks import Answer, Block, Cells, Text
 from .charts.chart import Chart, Panel, Series
 from .charts.charts import draw_chart
@@ -237,7 +238,7 @@ def compared(results: Sequence[Result], names: Sequence[str]) -> Comparison:
         _signals(results, common),
         _settings(results),
         tuple(n for n in every if n not in common),
-        tuple(float(result.info.get("timing", {}).get("cpu", nan)) for result in results),
+        tuple(float(result.info.timing.cpu if result.info.timing else nan) for result in results),
     )
 
 
@@ -310,14 +311,14 @@ def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:
     return {place: values for place, values in texts.items() if len(set(values)) > 1}
 
 
-def _flat(info: Mapping[str, Any]) -> dict[str, str]:
+def _flat(info: RunRecord) -> dict[str, str]:
     """Settings by their names: those of the scene, effects that are on, and of every unit the parameters that the run had."""
-    scene = {key: value for key, value in info.get("scene", {}).items() if key not in (*NOT_SETTINGS, "units")}
+    scene = {key: value for key, value in info.scene.items() if key not in (*NOT_SETTINGS, "units")}
     units, parameters = {}, {}
-    for name, unit in info.get("scene", {}).get("units", {}).items():
+    for name, unit in info.scene.get("units", {}).items():
         units[name] = {key: value for key, value in unit.items() if key not in ("parameters", "effects", "preset") and value}
-        units[name]["effects"] = sorted(info.get("effects", {}).get(name, {}).get("on", unit.get("effects", ())))
-        parameters[name] = info.get("units", {}).get(name, {}).get("parameters", unit.get("parameters", {}))
+        units[name]["effects"] = sorted(info.effects[name].on if name in info.effects else unit.get("effects", ()))
+        parameters[name] = info.units[name].parameters if name in info.units else unit.get("parameters", {})
     return dict(flattened(scene)) | dict(flattened({"units": units})) | dict(flattened(parameters))
 
 

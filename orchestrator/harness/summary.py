@@ -9,6 +9,7 @@ from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
+from ..run.run_record import MeshRecord, Pace, ParametersRecord, RunRecord, VerificationRecord
 
 
 @dataclass(frozen=True)
@@ -103,15 +104,14 @@ class SummaryTable(Summary):
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 
-def with_errors(rows: Iterable[SummaryRow], info: Mapping[str, Any]) -> Summary:
-    """The rows with the errors that verification found. info: of the result."""
-    verification = info.get("verification", {})
-    errors = verification.get("figures", {})
+def with_errors(rows: Iterable[SummaryRow], verification: VerificationRecord) -> Summary:
+    """The rows with the errors that verification found."""
+    errors = verification.figures
     rows = tuple(row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in rows)
-    if not (of_parameters := verification.get("parameters", {}).get("figures", {})):
+    if not (of_parameters := verification.parameters.figures):
         return rows
-    covers = "steps, mesh" if verification.get("mesh", {}).get("places") else "steps"
-    known = {name: one["error"] for name, one in of_parameters.items() if one["error"] is not None}
+    covers = "steps, mesh" if verification.mesh.places else "steps"
+    known = {name: one.error for name, one in of_parameters.items() if one.error is not None}
     return tuple(replace(row, parameters=known.get(row.name, nan), covers=covers) for row in rows)
 
 
@@ -123,27 +123,26 @@ def rows(
     return (SummaryRow(f"{unit}.{name}", value, *texts[name], part=part) for name, value in given.items())
 
 
-def pacing_rows(info: Mapping[str, Any]) -> Summary:
-    """How punctual a run at the pace of the clock was; none of another run. info: of the result."""
-    of = info.get("real_time")
-    if not of:
+def pacing_rows(of: Pace | None) -> Summary:
+    """How punctual a run at the pace of the clock was; none of another run."""
+    if of is None:
         return ()
-    counts = {"steps": "macro steps at the pace of the clock", "late": "of these ended behind the clock"}
-    of_steps = [SummaryRow(f"real_time.{name}", float(of[name]), "1", text) for name, text in counts.items()]
+    counted = (("steps", of.steps, "macro steps at the pace of the clock"), ("late", of.late, "of these ended behind the clock"))
+    percentiles = {"duration": of.duration, "lateness": of.lateness}
     ends = (("50 %", "median", "median"), ("99 %", "p99", "99 % are below"), ("100 %", "max", "longest"))
     return (
-        *of_steps,
+        *(SummaryRow(f"real_time.{name}", float(count), "1", text) for name, count, text in counted),
         *(
-            SummaryRow(f"real_time.{name}_{end}", 1e3 * of[name][p], "ms", f"{text}: {what}")
+            SummaryRow(f"real_time.{name}_{end}", 1e3 * percentiles[name][p], "ms", f"{text}: {what}")
             for name, text in PACING.items()
             for p, end, what in ends
         ),
     )
 
 
-def to_json(summary: Summary, info: Mapping[str, Any]) -> dict[str, Any]:
-    """The object of summary.json: rows by their names, which have a dot, and how the run ended. info: of the result."""
-    return {row.name: row.to_json() for row in summary} | {key: info[key] for key in ("outcome", "warnings")}
+def to_json(summary: Summary, info: RunRecord) -> dict[str, Any]:
+    """The object of summary.json: rows by their names, which have a dot, and how the run ended."""
+    return {row.name: row.to_json() for row in summary} | {"outcome": info.outcome, "warnings": info.warnings}
 
 
 COLUMNS = ("quantity", "value", "error", "unit", "text")
@@ -158,64 +157,61 @@ def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, .
     return (*COLUMNS, "parameter error"), [(*cells, known(row.parameters)) for cells, row in zip(table, summary, strict=True)]
 
 
-def verification_text(verification: Mapping[str, Any]) -> str:
-    """How the errors of a run were found, or why there are none. verification: of run.json."""
-    return f"{_numerical_text(verification)}{_parameters_text(verification.get('parameters', {}))}"
+def verification_text(verification: VerificationRecord) -> str:
+    """How the errors of a run were found, or why there are none."""
+    return f"{_numerical_text(verification)}{_parameters_text(verification.parameters)}"
 
 
-def _parameters_text(parameters: Mapping[str, Any]) -> str:
+def _parameters_text(parameters: ParametersRecord) -> str:
     """What "(parameters)" is; nothing of a scene without tolerances."""
-    if not (deviations := parameters.get("deviations")):
+    if not (deviations := parameters.deviations):
         return ""
-    beside = f", beside {parameters['samples']} samples" if parameters["samples"] else ", without samples beside it"
+    beside = f", beside {parameters.samples} samples" if parameters.samples else ", without samples beside it"
     return (
         f' "± ... (parameters)" is one standard deviation, by first order from the tolerances of {", ".join(deviations)} '
-        f"({parameters['how'].partition(' (')[0]} derivatives{beside})."
+        f"({parameters.how.partition(' (')[0]} derivatives{beside})."
     )
 
 
-def _numerical_text(verification: Mapping[str, Any]) -> str:
-    if not verification.get("done"):
-        return f"No error estimate: {verification.get('why') or 'cosimo did not repeat the run'}."
-    step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"
-    if windows := verification.get("windows"):
-        inner = "half of the" if verification.get("inside") else "the same"
-        slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
-        slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
+def _numerical_text(verification: VerificationRecord) -> str:
+    if not verification.done:
+        return f"No error estimate: {verification.why or 'cosimo did not repeat the run'}."
+    step, runs = verification.step, "two runs" if verification.runs == 2 else "three runs"
+    if windows := verification.windows:
+        inner = "half of the" if verification.inside else "the same"
+        slower = f"; slower than a window: {', '.join(windows.slower)}" if windows.slower else ""
+        slower += f"; taken to grow on as in a window: {', '.join(windows.growing)}" if windows.growing else ""
         return (
-            f"Estimated errors of signals (rms, in % of the standard deviation) from {len(windows['begins'])} windows of "
-            f"{windows['length']:.3g} s, repeated with a macro step of {step:g} s and {inner} internal steps{slower}. "
-            f"{verification['why'][:1].upper()}{verification['why'][1:]}. {covered_text(verification.get('mesh', {}))}"
+            f"Estimated errors of signals (rms, in % of the standard deviation) from {len(windows.begins)} windows of "
+            f"{windows.length:.3g} s, repeated with a macro step of {step:g} s and {inner} internal steps{slower}. "
+            f"{verification.why[:1].upper()}{verification.why[1:]}. {covered_text(verification.mesh)}"
         )
-    shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"
+    shorter = "half of it" if verification.runs == 2 else "half and a quarter of it"
     text = (
         f'± and "error" are estimated discretization errors, from {runs} with a macro step of {2.0 * step:g} s and {shorter}'
-        f"{'; internal steps are halved too' if verification.get('inside') else ''}. Errors of signals: rms, in % of "
+        f"{'; internal steps are halved too' if verification.inside else ''}. Errors of signals: rms, in % of "
         "the standard deviation."
     )
-    parts = [
-        f"{place}: {100.0 * part['difference']:.2g} % of {part['signal']}"
-        for place, part in verification.get("parts", {}).items()
-    ]
+    parts = [f"{place}: {100.0 * (part.difference or 0.0):.2g} % of {part.signal}" for place, part in verification.parts.items()]
     text += f" Change by one refinement alone: {'; '.join(parts)}." if parts else ""
-    missing = ", ".join(verification.get("not_refined", {}))
+    missing = ", ".join(verification.not_refined)
     text += f" The errors exclude the error due to {missing}, which could not be refined." if missing else ""
-    return f"{text} {covered_text(verification.get('mesh', {}))}"
+    return f"{text} {covered_text(verification.mesh)}"
 
 
-def covered_text(mesh: Mapping[str, Any]) -> str:
-    """What errors cover beside the steps, and what they leave out. mesh: of the verification in run.json."""
+def covered_text(mesh: MeshRecord) -> str:
+    """What errors cover beside the steps, and what they leave out."""
     text = ""
-    if places := mesh.get("places"):
-        name, most = max(mesh["signals"].items(), key=lambda one: one[1])
-        before = ", measured before" if mesh.get("kept") else ""
+    if places := mesh.places:
+        name, most = max(((n, rms or 0.0) for n, rms in mesh.signals.items()), key=lambda one: one[1])
+        before = ", measured before" if mesh.kept else ""
         text = (
             f"The errors include the mesh ({', '.join(places)}), estimated with half as many elements{before}: "
             f"{100.0 * most:.2g} % of {name}. "
         )
-    for reason in dict.fromkeys(mesh.get("not_covered", {}).values()):
-        names = ", ".join(name for name, why in mesh["not_covered"].items() if why == reason)
+    for reason in dict.fromkeys(mesh.not_covered.values()):
+        names = ", ".join(name for name, why in mesh.not_covered.items() if why == reason)
         text += f"The errors exclude the mesh ({names}): {reason}. "
-    left_out = mesh.get("left_out", {})
+    left_out = mesh.left_out
     kinds = [f"{what} ({', '.join(n for n, w in left_out.items() if w == what)})" for what in dict.fromkeys(left_out.values())]
     return f"{text}{'Also excluded' if 'exclude' in text else 'Excluded'}: {', '.join([*kinds, 'modelling errors'])}."

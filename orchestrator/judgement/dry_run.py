@@ -135,15 +135,17 @@ def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
     if length / step * advice.work > PREFIX_WORK:
         return f"no trial run of the first {length:.3g} s: it takes about {length / step * advice.seconds:.2g} s", []
     result = run(work.beginning(scene, length), in_process=True)
-    verification = result.info["verification"]
-    if result.outcome != "done" or not verification["done"]:
-        return f"trial run of the first {length:.3g} s: {result.outcome}. {result.message or verification['why']}", []
-    signals = verification["signals"]
-    worst = max(signals, key=lambda name: signals[name]["rms"], default="")
+    verification = result.info.verification
+    if result.outcome != "done" or not verification.done:
+        return f"trial run of the first {length:.3g} s: {result.outcome}. {result.message or verification.why}", []
+    signals = verification.signals
+    worst = max(signals, key=lambda name: signals[name].rms or 0.0, default="")
     error = (
-        f"{100.0 * signals[worst]['rms']:.2g} % ({worst}, rms, in % of its standard deviation)" if worst else "none, no signal"
+        f"{100.0 * (signals[worst].rms or 0.0):.2g} % ({worst}, rms, in % of its standard deviation)"
+        if worst
+        else "none, no signal"
     )
-    return f"trial run of the first {length:.3g} s: largest error {error}", list(result.info["warnings"])
+    return f"trial run of the first {length:.3g} s: largest error {error}", list(result.info.warnings)
 
 
 ADAPTIVE = {"control": "master.control", "events": "master.events"}

@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
@@ -26,6 +25,7 @@ from ..run.comparison import Difference, differences
 from ..run.dependence import depends_on
 from ..run.figures import Figures, known_results
 from ..run.results import Result
+from ..run.run_record import MeshRecord, known
 from ..run.thresholds import MESH_ORDERS
 from ..scene.meshes import coarsened, coarser, meshes_of
 from ..scene.scene import Scene
@@ -58,16 +58,17 @@ class MeshError:
         """The signal with the largest error, and this, rms; ("", 0) without any."""
         return max(((name, rms) for name, (rms, _) in self.signals.items()), key=lambda one: one[1], default=("", 0.0))
 
-    def to_json(self) -> dict[str, Any]:
-        """The object `mesh` of `verification` in run.json; {} where there is no mesh and nothing is left out."""
-        covered = {
-            "places": list(self.places),
-            "signals": {name: rms for name, (rms, _) in self.signals.items()},
-            "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
-            "kept": self.kept,
-        }
-        named = {"not_covered": dict(self.not_covered), "left_out": dict(self.left_out)}
-        return (covered if self.places else {}) | {key: reasons for key, reasons in named.items() if reasons}
+    @property
+    def record(self) -> MeshRecord:
+        """As it is written."""
+        return MeshRecord(
+            places=self.places,
+            signals={name: known(rms) for name, (rms, _) in self.signals.items()} if self.places else {},
+            figures={name: known(error) for name, error in self.figures.items()} if self.places else {},
+            kept=self.kept,
+            not_covered=self.not_covered,
+            left_out=self.left_out,
+        )
 
 
 def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], distances: Distances | None = None) -> MeshError:

@@ -19,6 +19,7 @@ import numpy as np
 from ...components.core.errors import BadInput
 from ..run.figures import Figures, key_results
 from ..run.results import Result
+from ..run.run_record import ParameterRecord, ParametersRecord, known
 from ..run.thresholds import PARAMETER_SAMPLES, SECOND_ORDER
 from ..scene.scene import Scene
 from ..scene.tolerances import Tolerances
@@ -72,21 +73,19 @@ class ParameterErrors:
             )
         return texts
 
-    def to_json(self) -> dict[str, Any]:
-        """The object `parameters` of `verification` in run.json; what is not known is null."""
-        if self.why:
-            return {"why": self.why}
-        known = lambda number: number if isfinite(number) else None  # noqa: E731
+    @property
+    def record(self) -> ParametersRecord:
+        """As it is written."""
         figures = {
-            name: {
-                "error": known(error),
-                "rest": known(self.rest.get(name, nan)),
-                "largest": self.largest.get(name),
-                **({"why": self.refused[name]} if name in self.refused else {}),
-            }
+            name: ParameterRecord(
+                error=known(error),
+                rest=known(self.rest.get(name, nan)),
+                largest=self.largest.get(name),
+                why=self.refused.get(name, ""),
+            )
             for name, error in self.figures.items()
         }
-        return {"deviations": dict(self.deviations), "how": self.how, "samples": self.samples, "figures": figures}
+        return ParametersRecord(why=self.why, deviations=self.deviations, how=self.how, samples=self.samples, figures=figures)
 
 
 def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[float], bool], again: Again) -> ParameterErrors:

@@ -1,13 +1,13 @@
-"""What the repetition of a run has shown, and its form in run.json."""
+"""What the repetition of a run has shown, and how it is written."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
-from typing import Any
+from math import nan
 
 from ..run.comparison import SURE, Difference, SignalError
+from ..run.run_record import Excerpt, ParametersRecord, PartRecord, VerificationRecord, Windows, known
 from .mesh import MeshError
 from .parameter_errors import ParameterErrors
 
@@ -24,7 +24,7 @@ class Verification:
     quantities: `STEPS`, or place of a tolerance or mesh -> errors that these make of further quantities, as shares.
     windows: begins (s) and length (s).  slower: signals slower than a window.
     growing: whose difference still grows there, see `windows`.
-    excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
+    excerpt: of the signal with the largest error, where the two runs differ most.
     unseen: signals that their rows do not show -> how far they depart from straight lines between two.
     unstable: whether a repetition became unstable.  stopped: the signal that ended the repetition, by its name.
     inside: internal steps that were halved, too, place -> s.  parts: place of a tolerance or mesh -> how the signals change where
@@ -46,7 +46,7 @@ class Verification:
     growing: tuple[str, ...] = ()
     parts: Mapping[str, Mapping[str, Difference]] = field(default_factory=dict)
     not_refined: Mapping[str, str] = field(default_factory=dict)
-    excerpt: Mapping[str, Any] = field(default_factory=dict)
+    excerpt: Excerpt | None = None
     unseen: Mapping[str, float] = field(default_factory=dict)
     inside: Mapping[str, float] = field(default_factory=dict)
     mesh: MeshError = field(default_factory=MeshError)
@@ -77,41 +77,34 @@ class Verification:
         worst = max(gaps, key=lambda name: gaps[name].rms)
         return worst, gaps[worst].rms
 
-    def to_json(self) -> dict[str, Any]:
-        """The object `verification` of run.json."""
-        of_parameters = {} if self.parameters is None else {"parameters": self.parameters.to_json()}
+    @property
+    def record(self) -> VerificationRecord:
+        """As it is written."""
+        parameters = self.parameters.record if self.parameters is not None else ParametersRecord()
         if not self.done:
-            return {"done": False, "why": self.why, **of_parameters}
-        windows = {
-            "begins": list(self.windows),
-            "length": self.length,
-            "slower": list(self.slower),
-            "growing": list(self.growing),
-        }
-        where_known = {
-            "windows": windows if self.windows else {},
-            "quantities": {cause: _finite(errors) for cause, errors in self.quantities.items()},
-            "mesh": self.mesh.to_json(),
-            "parts": {place: dict(zip(("signal", "difference"), self.worst_of_part(place), strict=True)) for place in self.parts},
-            "not_refined": dict(self.not_refined),
-            "unseen": dict(self.unseen),
-            "inside": dict(self.inside),
-            "excerpt": dict(self.excerpt),
-        }
-        return {
-            "done": True,
-            "why": self.why,
-            "step": self.step,
-            "how": self.how,
-            "runs": self.runs,
-            "signals": {name: error.to_json() for name, error in self.errors.items()},
-            "figures": _finite(self.figures),
-            **{name: value for name, value in where_known.items() if value},
-            **of_parameters,
-            "seconds": self.seconds,
-        }
+            return VerificationRecord(done=False, why=self.why, parameters=parameters)
+        windows = Windows(begins=self.windows, length=self.length, slower=self.slower, growing=self.growing)
+        worst = {place: self.worst_of_part(place) for place in self.parts}
+        return VerificationRecord(
+            done=True,
+            why=self.why,
+            step=self.step,
+            how=self.how,
+            runs=self.runs,
+            signals={name: error.record for name, error in self.errors.items()},
+            figures=_known(self.figures),
+            windows=windows if self.windows else None,
+            quantities={cause: _known(errors) for cause, errors in self.quantities.items()},
+            mesh=self.mesh.record,
+            parts={place: PartRecord(signal=name, difference=change) for place, (name, change) in worst.items()},
+            not_refined=self.not_refined,
+            unseen=self.unseen,
+            inside=self.inside,
+            excerpt=self.excerpt,
+            parameters=parameters,
+            seconds=self.seconds,
+        )
 
 
-def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
-    """What is not known is null."""
-    return {name: number if isfinite(number) else None for name, number in numbers.items()}
+def _known(numbers: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: known(number) for name, number in numbers.items()}

@@ -86,9 +86,9 @@ def run(
     verify: "auto" repeats the whole run where the counted work of that is within `BUDGET`, else windows of it; "whole" the whole run
     whatever it takes; "full" also refines the tolerances of the units; each finds the errors that meshes make, too, from a coarser
     one, see `judgement.mesh`, but for "steps", which is "auto" without them; "no" leaves the errors unknown.
-    distances: of further quantities, whose errors are then in `info["verification"]["quantities"]`.
+    distances: of further quantities, whose errors are then in `info.verification.quantities`.
     The other arguments are those of `orchestrator.run.run`: packaging, progress, checkpoints, where the result is stored.
-    Raises `BadInput` for what cannot start. `result.info["verification"]` says what was found.
+    Raises `BadInput` for what cannot start. `result.info.verification` says what was found.
     """
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
@@ -122,7 +122,7 @@ def verified_result(
     windows: WindowsWish | None = None,
     distances: Distances | None = None,
 ) -> Result:
-    """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable.
+    """A result with `info.verification`, the warnings that follow, and another outcome where the run was unstable.
 
     Also where a signal comes meanwhile: the result is whole then, its outcome "stopped".
     """
@@ -206,7 +206,7 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
     except BadInput as error:  # such as an FMU whose step is fixed
         return None, _Why(str(error))
     if again.outcome == "stopped":
-        raise Interrupted(Signals[again.info["signal"]])
+        raise Interrupted(Signals[again.info.signal])
     where = " (in a working directory of its own)" if any(kind.foreign for kind in scene.kinds.values()) else ""
     why = _Why(f"the run is {again.outcome}{where}: {again.message}", again.outcome == "unstable")
     return (again, _Why()) if again.outcome == "done" else (None, why)
@@ -338,7 +338,7 @@ def work_of(scene: Scene, counted: float | None) -> float:
 
 
 def _work(result: Result) -> float:
-    return work_of(result.scene, result.info["counters"].get("work"))
+    return work_of(result.scene, result.info.counters.work)
 
 
 def _over_windows(scene: Scene) -> Verification:
@@ -346,7 +346,7 @@ def _over_windows(scene: Scene) -> Verification:
     wish = WindowsWish(in_any_case=True)
     again = run_once(scene, in_process=True, windows=wish)
     if again.outcome == "stopped":
-        raise Interrupted(Signals[again.info["signal"]])
+        raise Interrupted(Signals[again.info.signal])
     return _of_windows(scene, wish) if again.outcome == "done" else Verification(False, again.message)
 
 
@@ -372,7 +372,7 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
 
 
 def _with(result: Result, verification: Verification) -> Result:
-    return replace(result, info={**result.info, "verification": verification.to_json()})
+    return replace(result, info=replace(result.info, verification=verification.record))
 
 
 def made_by_coupling(signals: Mapping[str, SignalError]) -> list[str]:
@@ -382,9 +382,9 @@ def made_by_coupling(signals: Mapping[str, SignalError]) -> list[str]:
 
 def _judged(result: Result, verification: Verification) -> Result:
     """The result with what was found, and what follows for its outcome and its warnings."""
-    outcome, message, more = result.outcome, result.message, {}
+    outcome, message = result.outcome, result.message
     if verification.stopped:
-        outcome, more = "stopped", {"signal": verification.stopped}
+        outcome = "stopped"
         message = (
             f"stopped by {verification.stopped} while the run was repeated; the run itself is whole, its errors are not known"
         )
@@ -402,13 +402,13 @@ def _judged(result: Result, verification: Verification) -> Result:
     if outcome == "done" and verification.parameters is not None:
         texts += verification.parameters.warnings
     if outcome == "done" and not verification.done:
-        texts += unfollowed(result.info.get("missed"))
-    info = {
-        **result.info,
-        **more,
-        "verification": verification.to_json(),
-        "outcome": outcome,
-        "message": message,
-        "warnings": [*result.info["warnings"], *texts],
-    }
-    return replace(result, info=info, outcome=outcome, message=message)
+        texts += unfollowed(result.info.missed)
+    info = replace(
+        result.info,
+        signal=verification.stopped or result.info.signal,
+        verification=verification.record,
+        outcome=outcome,
+        message=message,
+        warnings=(*result.info.warnings, *texts),
+    )
+    return replace(result, info=info)

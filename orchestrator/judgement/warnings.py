@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import floor, isfinite, isnan, log10
-from typing import Any
 
 from ..run.comparison import SURE, SignalError, worst_of
+from ..run.run_record import RunRecord
 from ..run.thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 from ..scene.meshes import meshes_of
 from ..scene.scene import Scene
@@ -22,17 +21,15 @@ def not_verified(why: str) -> str:
     return UNVERIFIED if why == NOT_ASKED else f"not verified: {why or 'cosimo did not repeat the run'}"
 
 
-def doubts_of(info: Mapping[str, Any]) -> list[str]:
+def doubts_of(info: RunRecord) -> list[str]:
     """What keeps a run from being a sure result: an end before its end, its warnings, and errors that are not known.
 
     info: of the result; that of an earlier version has no warning of a run that was not verified.
     """
-    warnings = [str(text) for text in info.get("warnings", ())]
-    if info.get("outcome", "done") != "done":
-        return [f"{info['outcome']}: {info.get('message', '')}", *warnings]
-    verification = info.get("verification", {})
-    warning = not_verified(verification.get("why", ""))
-    return warnings if verification.get("done") or warning in warnings else [*warnings, warning]
+    if info.outcome != "done":
+        return [f"{info.outcome}: {info.message}", *info.warnings]
+    warning = not_verified(info.verification.why)
+    return [*info.warnings] if info.verification.done or warning in info.warnings else [*info.warnings, warning]
 
 
 def warnings_of(scene: Scene, verification: Verification) -> list[str]:

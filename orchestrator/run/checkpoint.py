@@ -26,6 +26,7 @@ from ..scene.scene import Scene
 from ..units import Interface
 from ..verified_file import DamagedFile, read_verified, write_verified
 from .dependence import depends_on
+from .run_record import CheckpointsRecord
 
 FORMAT = "cosimo checkpoint 6"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "parts"}
@@ -117,9 +118,9 @@ class Checkpoints(BatchObserver):
             return
         self.written, self.last = self.written + 1, t
 
-    def report(self) -> dict[str, Any]:
-        """For run.json."""
-        return {"every": self.every, "to": self.path.name, "written": self.written, "last": self.last}
+    def report(self) -> CheckpointsRecord:
+        """What was written."""
+        return CheckpointsRecord(every=self.every, to=self.path.name, written=self.written, last=self.last)
 
 
 def header(scene: Scene, master: Master) -> dict[str, Any]:

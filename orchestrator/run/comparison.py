@@ -16,7 +16,6 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, log2, nan
-from typing import Any
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from ..units.interface import Signal
 from .figures import Figures
 from .instants import at_instants
 from .results import Result
+from .run_record import Excerpt, SignalRecord, known
 from .thresholds import (
     APART,
     BULK,
@@ -97,12 +97,11 @@ class SignalError:
     late: float = 1.0
     coupling: float = nan
 
-    def to_json(self) -> dict[str, float | bool | None]:
-        """The object of run.json; what is not known is null."""
-        numbers = {"rms": self.rms, "max": self.largest, "order": self.order}
-        numbers |= {"coupling": self.coupling} if isfinite(self.coupling) else {}
-        kinds = {name: True for name, there in (("parted", self.parted), ("shifted", self.shifted)) if there}
-        return {k: v if isfinite(v) else None for k, v in numbers.items()} | kinds
+    @property
+    def record(self) -> SignalRecord:
+        """As it is written."""
+        rms, largest, order, coupling = map(known, (self.rms, self.largest, self.order, self.coupling))
+        return SignalRecord(rms=rms, max=largest, order=order, coupling=coupling, parted=self.parted, shifted=self.shifted)
 
 
 def scale_of(values: np.ndarray, nominal: float = 0.0) -> float:
@@ -240,20 +239,21 @@ def between_rows(first: Result, second: Result) -> dict[str, float]:
     return gaps
 
 
-def excerpt(first: Result, second: Result, name: str) -> dict[str, Any]:
-    """`EXCERPT` rows of a signal of two runs about the one where they differ most; nothing of flags and of equal signals."""
+def excerpt(first: Result, second: Result, name: str) -> Excerpt | None:
+    """`EXCERPT` rows of a signal of two runs about the one where they differ most; None of flags and of equal signals."""
     if name not in first.columns:
-        return {}
+        return None
     here, there = common_rows(first.time, second.time)
     rows = np.arange(first.rows) if here is None else here
     a = first[name][rows]
     b = np.interp(first.time, second.time, second[name]) if there is None else second[name][there]
     gap = np.abs(a - b)
     if not (np.isfinite(a).all() and np.isfinite(b).all() and gap.any()):
-        return {}
+        return None
     begin = max(min(int(gap.argmax()) - EXCERPT // 2, rows.size - EXCERPT), 0)
     shown = slice(begin, begin + EXCERPT)
-    return {"signal": name, "time": first.time[rows][shown].tolist(), "run": a[shown].tolist(), "finer": b[shown].tolist()}
+    time, run, finer = (tuple(column[shown].tolist()) for column in (first.time[rows], a, b))
+    return Excerpt(signal=name, time=time, run=run, finer=finer)
 
 
 def needs_third(compared: Mapping[str, Difference]) -> bool:

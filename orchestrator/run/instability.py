@@ -9,7 +9,7 @@ whole (`missed`): what contacts or stops keep bounded does not grow, but nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from copy import copy
 from typing import Any
 
@@ -18,6 +18,7 @@ import numpy as np
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
 from ..engine.stepping.loop import BatchObserver
+from .run_record import Missed
 from .thresholds import BEYOND, BLOCKS, ENERGY, FEWEST_ROWS, HARDLY, MISSED, NOTHING, OVERSHOT, RISE, UNFOLLOWED
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
@@ -139,8 +140,8 @@ class InstabilityMonitor(BatchObserver):
             unit, text = self._input_text(k, looks[-1][0])
             raise Unstable(unit, t, text)
 
-    def missed(self) -> dict[str, Any] | None:
-        """For run.json: the input that extrapolation has missed most, `share` of its deviation (rms); None where none was led."""
+    def missed(self) -> Missed | None:
+        """The input that extrapolation has missed most; None where none was led."""
         if self._count < FEWEST_ROWS or self._origin is None:
             return None
         with np.errstate(over="ignore", invalid="ignore"):
@@ -154,7 +155,7 @@ class InstabilityMonitor(BatchObserver):
             float(f"{share:.6g}") for share in shares.tolist()
         ]  # more digits follow from how many steps were taken at once
         link = self._links[rounded.index(share := max(rounded))]
-        return {"input": ".".join(link.target), "source": ".".join(link.source), "share": share}
+        return Missed(input=".".join(link.target), source=".".join(link.source), share=share)
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
@@ -243,12 +244,12 @@ class _Blocks:
         return blocks, ends, (int(ends[first + BLOCKS - 1 - known]), int(worst))
 
 
-def unfollowed(missed: Mapping[str, Any] | None) -> list[str]:
-    """What a user should know of inputs of a run that no repetition has judged; missed: of run.json."""
-    if missed is None or missed["share"] <= UNFOLLOWED:
+def unfollowed(missed: Missed | None) -> list[str]:
+    """What a user should know of inputs of a run that no repetition has judged."""
+    if missed is None or missed.share <= UNFOLLOWED:
         return []
     return [
-        f"the macro step is too long: extrapolation misses {missed['input']} by {100.0 * missed['share']:.0f} % of its deviation "
+        f"the macro step is too long: extrapolation misses {missed.input} by {100.0 * missed.share:.0f} % of its deviation "
         "(rms), so the coupling may be unstable. Reduce master.step, and let the run be repeated"
     ]
 

@@ -10,11 +10,11 @@ import gc
 from array import array
 from time import perf_counter, sleep
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 
 from ..engine.stepping.loop import BatchObserver
+from .run_record import Pace
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9, 100.0)
 BINS = np.geomspace(1e-6, 1.0, 61)  # s, ten in a decade
@@ -60,26 +60,26 @@ class Pacing(BatchObserver):
                 self._waking.append(perf_counter() - due)
         self._released = perf_counter()
 
-    def report(self) -> dict[str, Any]:
-        """Of run.json: durations and lateness in s, as percentiles and counts; empty before the third instant."""
+    def report(self) -> Pace | None:
+        """Durations and lateness in s, as percentiles and counts; None before the third instant."""
         if not self._durations:
-            return {}
+            return None
         durations, lateness = np.array(self._durations), np.array(self._lateness)
         behind = np.maximum(lateness, 0.0)
 
         def percentiles(values: np.ndarray) -> dict[str, float]:
             return {f"{p:g} %": float(v) for p, v in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True)}
 
-        def counts(values: np.ndarray) -> list[int]:
-            return np.histogram(np.clip(values, BINS[0], BINS[-1]), BINS)[0].tolist()
+        def counts(values: np.ndarray) -> tuple[int, ...]:
+            return tuple(np.histogram(np.clip(values, BINS[0], BINS[-1]), BINS)[0].tolist())
 
-        return {
-            "steps": durations.size,
-            "late": int(np.count_nonzero(lateness > 0.0)),
-            "duration": percentiles(durations),
-            "lateness": percentiles(behind),
-            "waking": percentiles(np.array(self._waking)) if self._waking else {},
-            "bins": BINS.tolist(),
-            "duration_counts": counts(durations),
-            "lateness_counts": counts(behind[lateness > 0.0]),
-        }
+        return Pace(
+            steps=durations.size,
+            late=int(np.count_nonzero(lateness > 0.0)),
+            duration=percentiles(durations),
+            lateness=percentiles(behind),
+            waking=percentiles(np.array(self._waking)) if self._waking else {},
+            bins=tuple(BINS.tolist()),
+            duration_counts=counts(durations),
+            lateness_counts=counts(behind[lateness > 0.0]),
+        )

@@ -15,10 +15,11 @@ from time import perf_counter
 from typing import Any
 
 from ..engine.stepping.loop import BatchObserver
-from ..output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
+from ..output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED
 from ..units.fmu_messages import log_lines
 from .recorders import Recorder
 from .rows import PARQUET, STREAM, Rows, prepare
+from .run_record import RunRecord
 
 RESULT = "result"
 TABLE, CSV, INFO, SNAPSHOTS = f"{RESULT}.parquet", f"{RESULT}.csv", "run.json", "snapshots"
@@ -55,13 +56,7 @@ class ResultFiles(BatchObserver):
         self._pause, self._due = FIRST_SECONDS, perf_counter() + FIRST_SECONDS
 
     def open(
-        self,
-        names: Sequence[str],
-        texts: Sequence[str],
-        units: Mapping[str, str],
-        info: Mapping[str, Any],
-        *,
-        resumed: bool = False,
+        self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: RunRecord, *, resumed: bool = False
     ) -> Rows:
         """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`.
 
@@ -73,9 +68,9 @@ class ResultFiles(BatchObserver):
             if entry.name != HOLDER and not (resumed and entry.suffix == STREAM):
                 shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
         (self._folder / RESERVE).write_bytes(os.urandom(RESERVED))
-        write_json(self._folder / INFO, info)
+        info.write(self._folder / INFO)
         self._resumed = resumed
-        return self._table(names, texts, name=RESULT, units=units, title=info["scene"]["name"], with_csv=True)
+        return self._table(names, texts, name=RESULT, units=units, title=info.scene["name"], with_csv=True)
 
     def snapshots(self, name: str, elements: Sequence[str]) -> Rows:
         """The table of the snapshots of an array."""
@@ -116,7 +111,7 @@ class ResultFiles(BatchObserver):
         """What to raise for rows that cannot be written."""
         return OutputFailed(f"the results cannot be written to {str(self.directory)!r}: {error.strerror or error}")
 
-    def finish(self, info: Mapping[str, Any]) -> None:
+    def finish(self, info: RunRecord) -> None:
         """All rows are written: the result takes the place of an earlier one. Raises `OutputFailed`.
 
         Also where a run that was to go on has ended before it did: what the earlier one has left stays.
@@ -125,8 +120,8 @@ class ResultFiles(BatchObserver):
             raise OutputFailed(f"the run has ended before it went on; in {str(self.directory)!r} nothing was changed")
         try:
             (self._folder / RESERVE).unlink(missing_ok=True)
-            write_json(self._folder / INFO, info)
-            if lines := log_lines(info.get("fmu_log", {})):
+            info.write(self._folder / INFO)
+            if lines := log_lines(info.fmu_log):
                 (self._folder / LOG).write_text("\n".join(lines) + "\n", encoding="utf-8")
             for table in self._tables:
                 table.store()

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,11 +12,12 @@ import numpy as np
 
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import conversion
-from ..output import UNFINISHED, is_locked, locked, not_written, write_json
+from ..output import UNFINISHED, is_locked, locked, not_written
 from ..renamed import OUTPUT
 from ..scene.scene import Models, recorded_scene
 from .recording import INFO, RESULT, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
 from .rows import STREAM, TIME, Rows, joined
+from .run_record import RunRecord
 from .series import Series
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Result:
 
     time: (n,) s.  columns: "unit.variable" -> (n,) numbers.  texts: "unit.variable" -> (n,) texts, of the same rows.
     measures: "unit.variable" -> unit of measure.
-    info: what run.json holds.  outcome: "done", "failed", "unstable" or "stopped", with the reason in `message`.
+    info: what run.json holds.
     directory: where it is stored, if it is.
     """
 
@@ -66,15 +66,13 @@ class Result:
     columns: Mapping[str, np.ndarray]
     snapshots: Mapping[str, Snapshot]
     measures: Mapping[str, str]
-    info: Mapping[str, Any]
-    outcome: str
-    message: str
+    info: RunRecord
     texts: Mapping[str, np.ndarray] = field(default_factory=dict)
     directory: Path | None = None
 
     def __repr__(self) -> str:
         end = f" to t = {self.end:g} s" if self.rows else ""
-        warnings = len(self.info.get("warnings", ()))
+        warnings = len(self.info.warnings)
         return (
             f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
             f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>"
@@ -93,6 +91,16 @@ class Result:
         raise BadInput(
             f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, [*self.columns, *self.texts])
         )
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "done", "failed", "unstable" or "stopped"."""
+        return self.info.outcome
+
+    @property
+    def message(self) -> str:
+        """Why it did not end as "done"."""
+        return self.info.message
 
     @property
     def rows(self) -> int:
@@ -210,7 +218,7 @@ class Result:
     def unless_stopped(self) -> Result:
         """This result; where a signal stopped the run, the signal takes its usual effect, as it must for a study of many runs."""
         if self.outcome == "stopped":
-            signal.raise_signal(signal.Signals[self.info["signal"]])
+            signal.raise_signal(signal.Signals[self.info.signal])
         return self
 
     @OUTPUT
@@ -223,7 +231,7 @@ class Result:
         with locked(output) as path:
             try:
                 if self.directory is not None and self.directory == path.resolve():
-                    write_json(path / INFO, self.info)
+                    self.info.write(path / INFO)
                 else:
                     self._write(path)
             except OSError as error:
@@ -233,8 +241,8 @@ class Result:
         return path
 
     def _write(self, path: Path) -> None:
-        files = ResultFiles(path)
-        table = files.open([*self.columns], [*self.texts], self.measures, {"scene": {"name": self.scene.name}, **self.info})
+        files, info = ResultFiles(path), replace(self.info, scene=self.info.scene or self.scene.info())
+        table = files.open([*self.columns], [*self.texts], self.measures, info)
         rows = max(HELD // 20 // (1 + len(self.columns)), 1)
         for first in range(0, self.rows, rows):
             some = slice(first, first + rows)
@@ -247,7 +255,7 @@ class Result:
             elements = [f"{name}[{k + 1}]" for k in range(snapshot.values.shape[1])]
             none = np.zeros((snapshot.time.size, 0), dtype=object)
             files.snapshots(name, elements).append(snapshot.time, snapshot.values, none)
-        files.finish(self.info)
+        files.finish(info)
 
     @classmethod
     def read(cls, directory: str | Path, analysis: Models | None = None) -> Result:
@@ -259,10 +267,10 @@ class Result:
         killed = (path / UNFINISHED / INFO).is_file() and not is_locked(path)
         folder = path / UNFINISHED if killed else path
         try:
-            info = json.loads((folder / INFO).read_text(encoding="utf-8"))
-            scene = recorded_scene(info["scene"], analysis)
+            info = RunRecord.read(folder / INFO)
+            scene = recorded_scene(info.scene, analysis)
             file = folder / (RESULT + STREAM) if killed else path / TABLE
-            rowless = (killed or info["outcome"] != "done") and not file.exists()  # ended before its first row
+            rowless = (killed or info.outcome != "done") and not file.exists()  # ended before its first row
             table = Rows.read(file) if not rowless else None
             pieces = folder.glob(f"{SNAPSHOTS}-*{STREAM}") if killed else (path / SNAPSHOTS).glob("*.parquet")
             snapshots = [Rows.read(p) for p in sorted(pieces)]
@@ -274,9 +282,9 @@ class Result:
             if isinstance(error, BadInput):
                 raise
             raise BadInput("result", repr(str(path)), "a directory that a run has written", f"{error}.") from None
-        if killed and info["outcome"] == "running":
+        if killed and info.outcome == "running":
             last = table.extremes(TIME)[2] if table and table.rows else 0.0
-            info |= {"outcome": "failed", "message": f"the run was killed; its rows up to t = {last:.9g} s were written"}
+            info = replace(info, outcome="failed", message=f"the run was killed; its rows up to t = {last:.9g} s were written")
         return result_of(
             scene,
             table,
@@ -344,11 +352,10 @@ def result_of(
     table: Rows | None,
     snapshots: Mapping[str, Rows],
     measures: Mapping[str, str],
-    info: Mapping[str, Any],
+    info: RunRecord,
     directory: Path | None,
 ) -> Result:
     """The result whose rows are in tables, held in memory unless they are many; `directory`: where they are stored."""
-    outcome, message = str(info.get("outcome", "failed")), str(info.get("message", ""))
     if table is not None and table.on_disk and table.rows * (1 + len(table.names)) > HELD:
         return StoredResult(
             scene,
@@ -357,8 +364,6 @@ def result_of(
             _Stored(snapshots, lambda name: Snapshot(*joined(snapshots[name])[:2])),
             measures,
             info,
-            outcome,
-            message,
             _Stored(table.texts, table.column),
             directory,
         )
@@ -372,8 +377,6 @@ def result_of(
         {name: Snapshot(*joined(t)[:2]) for name, t in snapshots.items()},
         measures,
         info,
-        outcome,
-        message,
         dict(zip(strings, texts.T, strict=True)),
         directory,
     )

@@ -9,6 +9,7 @@ import traceback
 import warnings
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from signal import SIGINT, Signals
@@ -41,6 +42,7 @@ from .recording import OutputFailed, ResultFiles
 from .results import Result
 from .rows import Rows
 from .run_info import CompileTime, describe_run
+from .run_record import BondEnergy, Counters, Resumed, RunRecord, SteppingRecord, Timing
 from .watch import Watch, measures_of
 from .windows import Windows, WindowsWish, obstacle
 
@@ -67,7 +69,7 @@ def run(
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
     run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails gives a partial
-    result with outcome "failed", Ctrl-C, SIGTERM and SIGHUP one with outcome "stopped" and the signal's name in `info`; raises
+    result with outcome "failed", Ctrl-C, SIGTERM and SIGHUP one with outcome "stopped" and the signal's name in `info.signal`; raises
     `BadInput` for what cannot start.
 
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
@@ -76,10 +78,10 @@ def run(
     `output`: a directory, into which the result is written as it comes, as with `Result.save`, so that the memory does not grow
     with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
-    `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
+    `real_time`: no macro step ends before its time on the clock; `info.real_time` says how punctual they were.
     `windows`: what of the run is to be repeated at its end, see `run.windows`.
     `remedy`: what would help the scene if it becomes unstable, for the message.
-    `fmu_log`: the level from which on messages of foreign FMUs are kept, in `info["fmu_log"]` and fmu.log: none, fatal, error,
+    `fmu_log`: the level from which on messages of foreign FMUs are kept, in `info.fmu_log` and fmu.log: none, fatal, error,
     discard, warning or info; they are counted whatever it is.
     """
     scene = asked_for(scene)
@@ -211,7 +213,7 @@ class Run:
         if self.files is None:
             return None
         names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
-        info = {"scene": self.scene.info(), "outcome": "running", "message": "the run has not ended", "warnings": []}
+        info = RunRecord(scene=self.scene.info(), outcome="running", message="the run has not ended")
         try:
             return self.files.open(names, texts, measures_of(self.coupling), info, resumed=past is not None)
         except OSError as error:
@@ -321,37 +323,34 @@ class Run:
                 self.files.flush()
         except OutputFailed as error:
             self.outcome, self.message = "failed", str(error)
-        info = describe_run(self.scene, coupling, self.units, self.master)
-        info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
-        info |= {"traceback": self.log} if self.log else {}
-        info |= {"signal": self._signal.name} if self.outcome == "stopped" else {}
-        if self.watch.monitor is not None and (missed := self.watch.monitor.missed()) is not None:
-            info |= {"missed": missed}
-        info |= {"energy": self.account.report()} if self.account else {}
-        info |= {"real_time": self.pacing.report()} if self.pacing else {}
-        info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
-        info |= {"resumed": {"at": past.t}} if past else {}
-        info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
-        if work.as_repeated(self.scene, self.in_process):
-            compiled = "stepping" not in info["counters"] and (self.account or self.master).in_batches
-            resumed = self.scene.stop_time - past.t if past else self.scene.duration  # units count what is behind it
-            share = max(resumed, self.scene.master.step) / self.scene.duration
-            info["counters"]["work"] = work.counted(self.units, info["counters"], compiled=compiled, share=share)
-        note_runs([MadeRun(self.scene, info["counters"].get("work"))])
+        info = describe_run(self.scene, coupling, self.units, self.master, self.outcome, self.message)
         logs = {name: unit.log_messages() for name, unit in self.units.items() if hasattr(unit, "log_messages")}
-        info |= {"fmu_log": described(logs, self._fmu_log)} if any(one.counts for one in logs.values()) else {}
-        info |= {"warnings": [*self._warnings(), *of_discarded(info["counters"]["units"]), *warnings_of(logs)]}
+        info = replace(
+            info,
+            warnings=(*self._warnings(), *of_discarded(info.counters.units), *warnings_of(logs)),
+            counters=self._counted(info.counters, past),
+            timing=self._timing(),
+            traceback=self.log,
+            signal=self._signal.name if self.outcome == "stopped" else "",
+            missed=self.watch.monitor.missed() if self.watch.monitor is not None else None,
+            energy={bond: BondEnergy(**energies) for bond, energies in self.account.report().items()} if self.account else {},
+            real_time=self.pacing.report() if self.pacing else None,
+            checkpoints=self.checkpoints.report() if self.checkpoints else None,
+            resumed=Resumed(at=past.t) if past else None,
+            fmu_log=described(logs, self._fmu_log),
+        )
+        note_runs([MadeRun(self.scene, info.counters.work)])
         if self.outcome == "done" and self._wish is not None:
             self._interrupt.at_once = True
             try:
-                if self._wish.needed(info["counters"]["work"]):
+                if info.counters.work is not None and self._wish.needed(info.counters.work):
                     self._answer(self._wish)
             except (KeyboardInterrupt, Exception):
                 if not self._interrupt.wanted:
                     raise
                 self._stopped()
                 self.message += ", while windows of the run were repeated; the run itself is whole"
-                info |= {"outcome": self.outcome, "message": self.message, "signal": self._signal.name}
+                info = replace(info, outcome=self.outcome, message=self.message, signal=self._signal.name)
             self._interrupt.at_once = False
         directory = None
         if self.files is not None:
@@ -360,8 +359,19 @@ class Run:
                 directory = self.files.directory.resolve()
             except OutputFailed as error:
                 self.outcome, self.message = "failed", f"{error}; what was written is in its folder {UNFINISHED!r}"
-                info |= {"outcome": self.outcome, "message": self.message}
+                info = replace(info, outcome=self.outcome, message=self.message)
         return self.watch.result(self.scene, info, directory)
+
+    def _counted(self, counters: Counters, past: Checkpoint | None) -> Counters:
+        """The counters with those of the steps, and with the work of a run whose units are those of a repetition."""
+        stepping = SteppingRecord(**self.stepping.report()) if isinstance(self.stepping, AdaptiveStepping) else None
+        counters = replace(counters, stepping=stepping)
+        if not work.as_repeated(self.scene, self.in_process):
+            return counters
+        compiled = stepping is None and (self.account or self.master).in_batches
+        resumed = self.scene.stop_time - past.t if past else self.scene.duration  # units count what is behind it
+        share = max(resumed, self.scene.master.step) / self.scene.duration
+        return replace(counters, work=work.counted(self.units, counters, compiled=compiled, share=share))
 
     @property
     def _now(self) -> float:
@@ -389,20 +399,16 @@ class Run:
         """What comes from here on is stepping, until this is called again."""
         self._since, self._cpu, self._compiled = perf_counter(), process_time(), self.compiling.spent
 
-    def _timing(self) -> dict[str, float]:
-        """Simulated time, and real time for starting, compiling and stepping, s; compilation is in `compile` alone.
-
-        cpu: CPU time of this process for stepping.
-        """
+    def _timing(self) -> Timing:
         start, run, cpu = self._since - self.started, self._until[0] - self._since, self._until[1] - self._cpu
         (real, used), (whole, whole_used) = self._compiled, self.compiling.spent
-        return {
-            "simulated": self.clock.seconds(self.stepping.tick),
-            "start": max(start - real, 0.0),
-            "compile": whole,
-            "run": max(run - (whole - real), 0.0),
-            "cpu": max(cpu - (whole_used - used), 0.0),
-        }
+        return Timing(
+            simulated=self.clock.seconds(self.stepping.tick),
+            start=max(start - real, 0.0),
+            compile=whole,
+            run=max(run - (whole - real), 0.0),
+            cpu=max(cpu - (whole_used - used), 0.0),
+        )
 
     def _answer(self, wish: WindowsWish) -> None:
         """Repeat windows of the run; units and account move: call it last."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from functools import cache, partial
 from time import perf_counter, process_time
 from typing import Any
@@ -16,6 +15,7 @@ from ..engine.algorithms import Master
 from ..engine.coupling import Coupling
 from ..scene.scene import Scene
 from ..units import Simulator
+from .run_record import Counters, EffectsRecord, RunRecord, UnitRecord
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk
@@ -99,35 +99,40 @@ class CompileTime:
             self.spent = real + perf_counter() - since, cpu + process_time() - cpu_since
 
 
-def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator], master: Master) -> dict[str, Any]:
-    """What run.json holds beside outcome and timing."""
+def describe_run(
+    scene: Scene, coupling: Coupling, units: Mapping[str, Simulator], master: Master, outcome: str, message: str
+) -> RunRecord:
+    """The record of a run beside its timing and its warnings."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
-    return {
-        "scene": scene.info(),
-        "units": {
-            n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
-            | ({"walls": walls} if (walls := getattr(unit, "walls", None)) else {})
+    return RunRecord(
+        scene=scene.info(),
+        outcome=outcome,
+        message=message,
+        units={
+            n: UnitRecord(
+                kind=unit.kind, title=interfaces[n].title, parameters=unit.parameters(), walls=tuple(getattr(unit, "walls", ()))
+            )
             for n, unit in units.items()
         },
-        "effects": {
-            n: {
-                "on": {e: why for e, why in i.effects.items() if why},
-                "off": {e: "not named in the scene" for e, why in i.effects.items() if not why},
-            }
+        effects={
+            n: EffectsRecord(
+                on={e: why for e, why in i.effects.items() if why},
+                off={e: "not named in the scene" for e, why in i.effects.items() if not why},
+            )
             for n, i in interfaces.items()
         },
-        "settings": {
+        settings={
             **scene.master.model_dump(mode="json"),
             "undriven_inputs": list(coupling.undriven),
             "held_at_mean": sorted(n for n in driven if interfaces[n].input_degree < scene.master.extrapolation),
             "undeclared_dependencies": undeclared,
         },
-        "counters": {"master": master.counters(), "units": {n: unit.work() for n, unit in units.items()}},
-        "initial_values": [asdict(group) for group in master.initialization],
-        "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
-    }
+        counters=Counters(master=master.counters(), units={n: unit.work() for n, unit in units.items()}),
+        initial_values=tuple(master.initialization),
+        versions={"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
+    )
 
 
 def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:

@@ -4,10 +4,9 @@ where a result is made of them. Runs to the end, points of many runs and session
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from ..engine.coupling import Coupling
 from ..opened.open_scene import Course, remarks_of
@@ -16,6 +15,7 @@ from .instability import InstabilityMonitor, energy_warnings
 from .recorders import Recorder, reading
 from .results import Result, result_of
 from .rows import Rows
+from .run_record import RunRecord
 
 
 def measures_of(coupling: Coupling) -> dict[str, str]:
@@ -88,7 +88,7 @@ class Watch:
         course = self.course
         return [*remarks_of(scene, course.open_scene.units), *caught, *course.warnings(), *energy_warnings(course.account)]
 
-    def result(self, scene: Scene, info: Mapping[str, Any], directory: Path | None = None) -> Result:
+    def result(self, scene: Scene, info: RunRecord, directory: Path | None = None) -> Result:
         """What was recorded and is flushed; directory: where it is stored."""
         arrays = {name: recorder.table for name, recorder in self.arrays.items()}
         return result_of(scene, self.signals.table, arrays, self.measures, info, directory)

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from ..interrupts import Interrupted
 from ..scene.scene import Scene
 from ..units import Simulator
+from .run_record import Counters
 from .thresholds import BUDGET, PROBED, PROBED_STEPS
 
 if TYPE_CHECKING:
@@ -43,23 +44,23 @@ def calls_of(counters: Mapping[str, float]) -> int:
     return sum(int(n) for name, n in counters.items() if name != "requests")
 
 
-def macro_steps(counters: Mapping[str, Any]) -> int:
-    """Macro steps that were tried; counters: as in run.json."""
-    stepping = counters.get("stepping", {})
-    return int(stepping.get("accepted", 0) + stepping.get("rejected", 0) or counters["master"]["steps"])
+def macro_steps(counters: Counters) -> int:
+    """Macro steps that were tried."""
+    stepping = counters.stepping
+    return int((stepping.accepted + stepping.rejected if stepping else 0) or counters.master["steps"])
 
 
-def hand_overs(counters: Mapping[str, Any]) -> int:
+def hand_overs(counters: Counters) -> int:
     """Macro steps, or iterations where there are more of them, times units."""
-    return max(macro_steps(counters), int(counters["master"].get("iterations", 0))) * len(counters["units"])
+    return max(macro_steps(counters), int(counters.master.get("iterations", 0))) * len(counters.units)
 
 
-def counted(units: Mapping[str, Simulator], counters: Mapping[str, Any], *, compiled: bool, share: float = 1.0) -> float:
-    """The work of a run that has ended; counters: as in run.json; compiled: whether its steps were in batches of compiled code.
+def counted(units: Mapping[str, Simulator], counters: Counters, *, compiled: bool, share: float = 1.0) -> float:
+    """The work of a run that has ended; compiled: whether its steps were in batches of compiled code.
 
     share: of the run, that the units have counted; one that was resumed has the counters of its end.
     """
-    steps = sum(of_calls(unit, calls_of(counters["units"][name])) for name, unit in units.items())
+    steps = sum(of_calls(unit, calls_of(counters.units[name])) for name, unit in units.items())
     return steps / share + hand_overs(counters) * (HAND_OVER if compiled else PYTHON)
 
 
@@ -86,8 +87,10 @@ def to_count(scene: Scene) -> Scene:
 def from_part(part: Result, duration: float) -> float:
     """The work of a run of so many s; part: what was run of it. Raises `Interrupted` where a signal has stopped that."""
     if part.outcome == "stopped":
-        raise Interrupted(Signals[part.info["signal"]])
-    return float(part.info["counters"]["work"] * duration / part.scene.duration)
+        raise Interrupted(Signals[part.info.signal])
+    if (counted := part.info.counters.work) is None:
+        raise ValueError("a part of a run whose work is not counted")
+    return counted * duration / part.scene.duration
 
 
 def beginning(scene: Scene, length: float) -> Scene:

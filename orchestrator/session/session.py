@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from math import isfinite
@@ -462,12 +463,11 @@ class Session(Estimating):
         if self._watch is None:
             raise BadInput(f"{self._where}: result", "a session that records nothing", "a call of record() before")
         self._watch.signals.flush()
-        info = describe_run(self._scene, self._scene.coupling, self._units, self._master)
         outcome, message = ("done", self._ended) if self.done else ("stopped", f"held at t = {self.time:.9g} s")
         if self._failure:
             outcome, message = "failed", self._failure
-        warnings = [*self._watch.warnings(self._scene), *of_discarded(info["counters"]["units"])]
-        info |= {"outcome": outcome, "message": message, "warnings": warnings, "timing": {}}
+        info = describe_run(self._scene, self._scene.coupling, self._units, self._master, outcome, message)
+        info = replace(info, warnings=(*self._watch.warnings(self._scene), *of_discarded(info.counters.units)))
         return verified_result(self._watch.result(self._scene, info), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------

@@ -307,7 +307,7 @@ def summary(result: Result) -> SummaryTable:
     system = result.scene.analysis.system
     of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
     numbers = (*of_system, *limit_numbers(result, of_system))
-    return SummaryTable((*with_errors(numbers, result.info), *pacing_rows(result.info)))
+    return SummaryTable((*with_errors(numbers, result.info.verification), *pacing_rows(result.info.real_time)))
 
 
 @OUTPUT

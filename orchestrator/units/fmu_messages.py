@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
 
 from ...components.core.errors import BadInput, nearest, visible
 
@@ -12,6 +12,14 @@ MOST_MESSAGES = 100  # messages of each level of a unit
 LONGEST = 1000  # characters of a message
 STATUS = "returned a warning"  # calls that ended with this status; a message may have come with them
 DEFAULT = "warning"
+
+
+@dataclass(frozen=True)
+class FmuLog:
+    """Messages of an FMU as run.json has them: counts by level, and the first ones as (s, level, text)."""
+
+    counts: Mapping[str, int]
+    messages: tuple[tuple[float, str, str], ...]
 
 
 class Messages:
@@ -40,11 +48,11 @@ def level_of(name: str) -> str:
     return name
 
 
-def described(messages: Mapping[str, Messages], level: str) -> dict[str, Any]:
-    """For run.json, by unit: counts, and the messages of a level and above as [s, level, text]; nothing of units that are silent."""
+def described(messages: Mapping[str, Messages], level: str) -> dict[str, FmuLog]:
+    """By unit: counts, and the messages of a level and above; nothing of units that are silent."""
     shown = LEVELS[LEVELS.index(level) :] if level in LEVELS else ()
     return {
-        unit: {"counts": of_unit.counts, "messages": [list(one) for one in of_unit.kept if one[1] in shown]}
+        unit: FmuLog(of_unit.counts, tuple(one for one in of_unit.kept if one[1] in shown))
         for unit, of_unit in messages.items()
         if of_unit.counts
     }
@@ -64,17 +72,15 @@ def warnings_of(messages: Mapping[str, Messages]) -> list[str]:
     return texts
 
 
-def log_lines(fmu_log: Mapping[str, Any]) -> Sequence[str]:
-    """The lines of fmu.log, of what run.json has, in the order of time."""
+def log_lines(fmu_log: Mapping[str, FmuLog]) -> Sequence[str]:
+    """The lines of fmu.log of a run, in the order of time."""
     lines = sorted(
-        (t, f"t = {t:.9g} s  {unit}  {level}: {text}")
-        for unit, of_unit in fmu_log.items()
-        for t, level, text in of_unit["messages"]
+        (t, f"t = {t:.9g} s  {unit}  {level}: {text}") for unit, of_unit in fmu_log.items() for t, level, text in of_unit.messages
     )
     more = [
         f"{unit}  {level}: {count - MOST_MESSAGES} more messages, which were counted only"
         for unit, of_unit in fmu_log.items()
-        for level, count in of_unit["counts"].items()
-        if level != STATUS and count > MOST_MESSAGES and any(one[1] == level for one in of_unit["messages"])
+        for level, count in of_unit.counts.items()
+        if level != STATUS and count > MOST_MESSAGES and any(one[1] == level for one in of_unit.messages)
     ]
     return [*(line for _, line in lines), *more]

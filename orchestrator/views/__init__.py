@@ -32,8 +32,8 @@ class Recorded(Protocol):
         """ "unit.variable" -> unit of measure."""
 
     @property
-    def info(self) -> Mapping[str, Any]:
-        """What run.json holds."""
+    def info(self) -> Any:
+        """What run.json holds: a `RunRecord`."""
 
     @property
     def outcome(self) -> str:

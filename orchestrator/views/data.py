@@ -76,7 +76,7 @@ def _provenance(result: Recorded) -> dict[str, Any]:
         "scene": result.scene.name,
         "outcome": result.outcome,
         "message": result.message,
-        "warnings": [str(w) for w in info.get("warnings", ())],
-        "versions": ", ".join(f"{n} {v}" for n, v in info.get("versions", {}).items()),
-        "run": json.dumps(info, default=str),
+        "warnings": list(info.warnings),
+        "versions": ", ".join(f"{n} {v}" for n, v in info.versions.items()),
+        "run": json.dumps(info.to_json(), default=str),
     }

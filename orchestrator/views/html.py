@@ -65,10 +65,10 @@ def result_html(result: Recorded) -> str:
     ]
     if result.message:
         parts.append(escape(_short(result.message)))
-    warnings = [str(w) for w in result.info.get("warnings", ())]
+    warnings = result.info.warnings
     parts += [f'<span style="color:{OTHER}">warning:</span> {escape(_short(w))}' for w in warnings[:WARNINGS]]
     if len(warnings) > WARNINGS:
-        parts.append(f"{len(warnings) - WARNINGS} more warnings: <code>.info['warnings']</code>")
+        parts.append(f"{len(warnings) - WARNINGS} more warnings: <code>.info.warnings</code>")
     return visible_in_page(f"<div>{'<br>'.join(parts)}{_signals(result)}{_numbers(result)}</div>")
 
 
@@ -117,6 +117,5 @@ def _numbers(result: Recorded) -> str:
         return f"<br>no summary: {escape(_short(str(error)))}"
     rows = "".join(f"<tr><td>{escape(r.name)}<td>{r.shown}<td>{escape(r.unit)}" for r in numbers[:NUMBERS])
     more = f"<br>{len(numbers) - NUMBERS} more: <code>.summary</code>" if len(numbers) > NUMBERS else ""
-    verification = result.info.get("verification", {})
-    unknown = "" if verification.get("done") else "<br>errors of these numbers are not known"
+    unknown = "" if result.info.verification.done else "<br>errors of these numbers are not known"
     return f"<table><tr><th>in numbers<th>value<th>unit{rows}</table>{more}{unknown}" if rows else ""

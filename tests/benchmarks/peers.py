@@ -28,7 +28,7 @@ def cosimo(msd, ctrl, steps, record=None):
         }
     )
     result = run(scene)
-    return result.info["timing"]["run"], result["p.x"][-1].item()
+    return result.info.timing.run, result["p.x"][-1].item()
 
 
 def recording(msd, ctrl, steps):

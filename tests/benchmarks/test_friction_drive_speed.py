@@ -25,7 +25,7 @@ def test_the_drive_runs_ten_times_faster_than_real_time(options):
         result = run(scene, **options)
         used.append(time.process_time() - begin)
         assert result.outcome == "done", result.message
-        wall.append(result.info["timing"]["run"])
+        wall.append(result.info.timing.run)
     print(f"\n{options or 'FMUs'}: {min(wall):.2f} s for {END:g} s, {END / min(wall):.0f} times real time; "
           f"CPU time with the start {min(used):.2f} s")  # fmt: skip
     assert END / min(wall) >= LEAST

@@ -82,7 +82,7 @@ def test_time_for_an_error(in_process):
     ):
         s = scene(SCHEMES[label][0], step, SCHEMES[label][1], substep=5e-4)
         results = [run(s, in_process=in_process) for _ in range(6)][1:]
-        seconds[label, step] = best = min(r.info["timing"]["run"] for r in results)
+        seconds[label, step] = best = min(r.info.timing.run for r in results)
         missed = 100.0 * error(filtered(results[0]), filtered(converged, round(step / FINE)))
         way, each = "in process" if in_process else "FMUs", 1e6 * best * step / s.stop_time
         print(

@@ -56,7 +56,7 @@ def seconds(work: int, isolation: str, steps: int = STEPS) -> float:
     )
     results = [run(scene) for _ in range(3)]
     assert all(r.outcome == "done" for r in results)
-    return min(r.info["timing"]["run"] for r in results)
+    return min(r.info.timing.run for r in results)
 
 
 def test_a_step_in_a_worker_costs_less_than_two_hundred_microseconds():

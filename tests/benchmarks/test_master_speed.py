@@ -128,6 +128,6 @@ def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, 
             "master": {"algorithm": algorithm, "step": 1e-3, "extrapolation": degree},
         }
     )
-    rate = 2 * steps / min(run(scene, in_process=True).info["timing"]["cpu"] for _ in range(TURNS))
+    rate = 2 * steps / min(run(scene, in_process=True).info.timing.cpu for _ in range(TURNS))
     print(f"\n{name}, {algorithm}, degree {degree}: {rate:.3g} unit steps/s")
     assert rate > least

@@ -59,7 +59,7 @@ def cosimo(pair, how, package):
 
     result = run(scene_of(pair), in_process=how == HOWS[0], native=how == HOWS[1])
     assert result.outcome == "done", result.message
-    return result.info["timing"]["run"], result[PAIRS[pair][3]][-1].item()
+    return result.info.timing.run, result[PAIRS[pair][3]][-1].item()
 
 
 def ecos(pair, how, package):

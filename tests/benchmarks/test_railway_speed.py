@@ -34,7 +34,7 @@ def scene(step=1e-3, effects=(), spans=10, **parameters):
 def best(scene, in_process=True, runs=5):
     """Result and shortest CPU time of stepping of several warm runs, s."""
     results = [run(scene, in_process=in_process) for _ in range(runs + 1)][1:]
-    return results[-1], min(r.info["timing"]["cpu"] for r in results)
+    return results[-1], min(r.info.timing.cpu for r in results)
 
 
 def filtered(result):

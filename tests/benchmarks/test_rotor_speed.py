@@ -115,7 +115,7 @@ def best(scene, in_process):
     """Shortest stepping time of several warm runs, s."""
     results = [run(scene, in_process=in_process) for _ in range(5)]
     assert all(r.outcome == "done" for r in results)
-    return min(r.info["timing"]["run"] for r in results[1:])
+    return min(r.info.timing.run for r in results[1:])
 
 
 def test_linear_bearings_at_equal_steps(ross):

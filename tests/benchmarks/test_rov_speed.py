@@ -24,7 +24,7 @@ def speed(scene, stop: float, **options) -> float:
     result = run(scene.with_changes({"stop_time": stop}), **options)
     whole = time.perf_counter() - start
     assert result.outcome == "done", result.message
-    stepping = result.info["timing"]["run"]
+    stepping = result.info.timing.run
     print(f"\n{options or 'FMUs'}: {stepping:.2f} s, {whole:.2f} s with the start; {stop / stepping:.0f} times real time")
     return stop / stepping
 

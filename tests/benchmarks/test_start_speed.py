@@ -34,7 +34,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 result = run(load_scene({scene!r}).with_changes({{"stop_time": 0.05}}), in_process=True)
 assert result.outcome == "done"
-print(result.info["timing"]["compile"])
+print(result.info.timing.compile)
 """
 
 

@@ -67,7 +67,7 @@ def test_a_macro_step_costs_little_more_than_its_physics(name):
     loop, alone = measured(scene, STEPS)
     long = scene.with_changes({"stop_time": STEPS * h, "record.interval": 50 * h})
     run(long.with_changes({"stop_time": 100 * h}), in_process=True)
-    whole = min(run(long, in_process=True).info["timing"]["cpu"] for _ in range(5)) / STEPS
+    whole = min(run(long, in_process=True).info.timing.cpu for _ in range(5)) / STEPS
     print(
         f"\n{name}: {1e6 * whole:.2f} us a macro step, {1e6 * loop:.2f} in the loop, {1e6 * alone:.2f} of physics: "
         f"ratio {whole / alone:.2f}, of the loop {loop / alone:.2f}"

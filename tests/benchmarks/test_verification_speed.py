@@ -29,10 +29,10 @@ def test_a_verified_run_costs_its_steps_and_little_more(name):
     stepping, verifying, runs = [], [], 0
     cosimo.run(scene, in_process=True)
     for _ in range(7):
-        stepping.append(run(scene, in_process=True).info["timing"]["cpu"])
+        stepping.append(run(scene, in_process=True).info.timing.cpu)
         verified = cosimo.run(scene, in_process=True).info
-        verifying.append(verified["timing"]["cpu"] + verified["verification"]["seconds"])
-        runs = verified["verification"]["runs"]
+        verifying.append(verified.timing.cpu + verified.verification.seconds)
+        runs = verified.verification.runs
     ratio, steps = min(verifying) / min(stepping), {2: 3, 3: 7}[runs]
     print(f"\n{name:24} {runs} runs, {steps} times the steps: {1e3 * min(stepping):7.1f} ms, verified {ratio:5.2f} times that")
     assert ratio < 3.0 * steps

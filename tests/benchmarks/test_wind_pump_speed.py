@@ -14,7 +14,7 @@ def best(scene, in_process, runs=3):
     run(scene.with_changes({"stop_time": 20.0 * scene.master.step, "record.interval": None}), in_process=in_process)
     results = [run(scene, in_process=in_process) for _ in range(runs)]
     assert all(r.outcome == "done" for r in results)
-    return min(r.info["timing"]["run"] for r in results)
+    return min(r.info.timing.run for r in results)
 
 
 def test_a_day_of_wind():

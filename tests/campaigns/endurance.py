@@ -95,7 +95,7 @@ def rows(count: int, folder: Path) -> dict[str, Any]:
         "rows": first,
         "checkpoint bytes": (folder / "checkpoint").stat().st_size,
         "result bytes": (folder / "result.parquet").stat().st_size,
-        "seconds": result.info["timing"]["run"],
+        "seconds": result.info.timing.run,
         "findings": findings,
     }
 

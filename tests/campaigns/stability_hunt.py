@@ -189,13 +189,13 @@ class Hunt:
         except BadInput as error:
             return Run(asdict(choice), "refused", str(error), "refused")
         bad = next((r for r in (result, *runs) if r.outcome != "done"), None)
-        mesh = result.info["verification"].get("mesh", {})
-        if bad is not None or not mesh.get("places"):
-            why = bad.message if bad is not None else "; ".join(mesh.get("not_covered", {}).values())
+        mesh = result.info.verification.mesh
+        if bad is not None or not mesh.places:
+            why = bad.message if bad is not None else "; ".join(mesh.not_covered.values())
             return Run(asdict(choice), result.outcome, why, "no reference" if result.outcome == "done" else "said")
-        figures = self._figures(*runs, mesh["figures"])
-        gaps = [(name, true, mesh["signals"].get(name, 0.0), 0.0) for name, true in true_errors(*runs).items()]
-        return verdict_of(choice, result.outcome, "; ".join(result.info["warnings"]), [*gaps, *figures], process_time() - since)
+        figures = self._figures(*runs, mesh.figures)
+        gaps = [(name, true, mesh.signals.get(name) or 0.0, 0.0) for name, true in true_errors(*runs).items()]
+        return verdict_of(choice, result.outcome, "; ".join(result.info.warnings), [*gaps, *figures], process_time() - since)
 
     @staticmethod
     def _figures(result: Result, finer: Result, stated: Mapping[str, float | None]) -> Iterator[tuple[str, float, float, float]]:
@@ -271,15 +271,15 @@ def true_errors(result: Result, finer: Result) -> dict[str, float]:
 def compared(choice: Choice, result: Result, reference: Reference, seconds: float) -> Run:
     """What a run says, compared with its reference."""
     info = result.info
-    warned = "; ".join([*info["warnings"], *([result.message] if result.message else [])])
+    warned = "; ".join([*info.warnings, *([result.message] if result.message else [])])
     if result.outcome != "done":
         return Run(asdict(choice), result.outcome, warned, "said", seconds=seconds)
-    if not info["verification"]["done"]:
-        return Run(asdict(choice), result.outcome, info["verification"]["why"], "said", seconds=seconds)
+    if not info.verification.done:
+        return Run(asdict(choice), result.outcome, info.verification.why, "said", seconds=seconds)
     gaps = [
-        (name, true, info["verification"]["signals"][name]["rms"] or 0.0, reference.errors[name])
+        (name, true, info.verification.signals[name].rms or 0.0, reference.errors[name])
         for name, true in true_errors(result, reference.result).items()
-        if name in info["verification"]["signals"]
+        if name in info.verification.signals
     ]
     gaps += list(figures(result, reference))
     return verdict_of(choice, result.outcome, warned, gaps, seconds)

@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.run.run_record import SignalRecord, VerificationRecord
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.campaigns.stability_hunt import Choice, Hunt, Run, choices, compared, main, table, true_errors, verdict_of
 
@@ -34,12 +35,12 @@ def test_a_run_that_says_less_than_it_is_off_is_missed():
     rough = hunt.judged(choice)
     assert rough.verdict == "right"
     result = run(hunt.scene.with_changes(hunt.changes(choice)), in_process=True)
-    silent = {name: {"rms": 0.0} for name in result.columns}
-    silent_result = replace(result, info=result.info | {"verification": {"done": True, "signals": silent}})
+    silent = {name: SignalRecord(rms=0.0, max=0.0, order=None) for name in result.columns}
+    silent_result = replace(result, info=replace(result.info, verification=VerificationRecord(done=True, why="", signals=silent)))
     found = compared(choice, silent_result, hunt.reference(choice), 0.0)
     assert (found.verdict, found.said) == ("understated", 0.0)
     assert found.true == max(true_errors(result, hunt.reference(choice).result).values()) or found.true > 0.0
-    warned = replace(silent_result, info=silent_result.info | {"warnings": ["off"]})
+    warned = replace(silent_result, info=replace(silent_result.info, warnings=("off",)))
     assert compared(choice, warned, hunt.reference(choice), 0.0).verdict == "said"
 
 

@@ -54,25 +54,25 @@ def of_deviation(scene, changes, **how):
 def test_the_parameter_error_is_that_of_the_parts(scene, parts, correlation, of):
     row, result = of_deviation(scene, TOLERANCES | {"correlations": {", ".join(NAMES): correlation}})
     assert row.parameters == pytest.approx(of(*parts.values()), rel=1e-3)
-    shown = result.info["verification"]["parameters"]
-    assert (shown["how"], shown["samples"]) == ("exact", 6)
-    assert shown["figures"]["pantograph.std"]["largest"] == max(parts, key=lambda n: abs(parts[n]))
-    assert 0.0 < shown["figures"]["pantograph.std"]["rest"] < 0.02
+    shown = result.info.verification.parameters
+    assert (shown.how, shown.samples) == ("exact", 6)
+    assert shown.figures["pantograph.std"].largest == max(parts, key=lambda n: abs(parts[n]))
+    assert 0.0 < shown.figures["pantograph.std"].rest < 0.02
     assert row.shown.endswith("(parameters)")
-    assert not any("parameter error" in text for text in result.info["warnings"])
+    assert not any("parameter error" in text for text in result.info.warnings)
 
 
 @compiled
 def test_large_tolerances_say_that_first_order_is_not_all(scene):
     _, result = of_deviation(scene, {"units.pantograph.tolerances": {"head_stiffness": "40 %"}})
-    assert any("not of first order alone" in text for text in result.info["warnings"])
+    assert any("not of first order alone" in text for text in result.info.warnings)
 
 
 def test_a_scene_without_derivatives_has_differences(scene, parts):
     """Here because a signal jumps from one step to the next: a fault that begins behind the end of what counts."""
     fault = {"kind": "offset", "signal": "pantograph.contact_force", "value": 1e-9, "begin": 4.9}
     row, result = of_deviation(scene, TOLERANCES | {"faults": [fault]})
-    how = result.info["verification"]["parameters"]["how"]
+    how = result.info.verification.parameters.how
     assert how.startswith("differences")
     assert "faults" in how
     assert row.parameters == pytest.approx(np.hypot(*parts.values()), rel=1e-2)
@@ -82,9 +82,9 @@ def test_a_tolerance_of_0_moves_nothing_by_differences_either():
     fault = {"kind": "offset", "signal": "body.inner_rate", "value": 1e-9, "begin": 0.45}
     zero = {"faults": [fault], "stop_time": 0.5, "analysis.transient": 0.1, "units.body.tolerances": {"inner_inertia": "0 %"}}
     result = cosimo.run(cosimo.load_scene("gimbal-scan").with_changes(zero), in_process=True)
-    errors = result.info["verification"]["parameters"]
-    assert errors["how"].startswith("differences")
-    assert {figure["error"] for figure in errors["figures"].values()} == {0.0}
+    errors = result.info.verification.parameters
+    assert errors.how.startswith("differences")
+    assert {figure.error for figure in errors.figures.values()} == {0.0}
 
 
 def test_an_effect_that_is_switched_off_takes_its_tolerances_with_it():
@@ -146,7 +146,7 @@ def test_a_period_of_waves_is_no_period_of_samples():
 def test_without_tolerances_nothing_is_called_or_written(scene, monkeypatch, tmp_path):
     monkeypatch.setattr(verification, "parameter_errors", None)
     row, result = of_deviation(scene, {}, output=tmp_path)
-    assert "parameters" not in result.info["verification"]
+    assert "parameters" not in result.info.to_json()["verification"]
     assert "parameters" not in row.to_json()
     assert "(" not in row.shown
     with pytest.raises(TypeError, match="NoneType"):

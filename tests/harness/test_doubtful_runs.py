@@ -10,6 +10,7 @@ from cosimo.orchestrator.harness.many.repetition import NONE_REPEATED
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings
 from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.repeated import find
+from cosimo.orchestrator.run.run_record import VerificationRecord
 
 # stable up to 0.121 s: it decays, but no step comes near to what it foretold
 LOST = {"master.step": 0.11, "stop_time": 11.0, "spring.damping": 4.0}
@@ -40,21 +41,21 @@ def test_beside_other_runs(kept, tmp_path, capsys):
         assert text in errors
         assert text in (tmp_path / "report.html").read_text(encoding="utf-8")
     (first, _) = json.loads((tmp_path / "compare.json").read_text())["runs"]
-    assert first["warnings"] == cosimo.read_result(kept).info["warnings"]
+    assert first["warnings"] == [*cosimo.read_result(kept).info.warnings]
 
 
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
         ({"outcome": "unstable", "message": "it grows"}, "unstable: it grows"),
-        ({"warnings": [], "verification": {"done": False, "why": "no memory"}}, "not verified: no memory"),
-        ({"warnings": [], "verification": {}}, "not verified: cosimo did not repeat the run"),
-        ({"warnings": ["it is odd"], "verification": {"done": True}}, "it is odd"),
+        ({"warnings": (), "verification": VerificationRecord(done=False, why="no memory")}, "not verified: no memory"),
+        ({"warnings": (), "verification": VerificationRecord(done=False, why="")}, "not verified: cosimo did not repeat the run"),
+        ({"warnings": ("it is odd",), "verification": VerificationRecord(done=True, why="")}, "it is odd"),
     ],
 )
 def test_beside_other_runs_of_any_kind(kept, changes, said):
     run = cosimo.read_result(kept)
-    one = replace(run, info={**run.info, **changes})
+    one = replace(run, info=replace(run.info, **changes))
     assert f"warning: lost (1): {said}" in repr(cosimo.compare(one, run))
 
 

@@ -61,7 +61,7 @@ IN_A_PAGE = """([machine, run]) => {
 def in_a_page(browser, machine, result, step, every=1):  # noqa: F811
     """The motion that a page draws from formulas, with the columns of a run in place of those of its module."""
     scene = result.scene
-    numbers = {f"{u}.{p}": v for u, unit in result.info["units"].items() for p, v in unit["parameters"].items()}
+    numbers = {f"{u}.{p}": v for u, unit in result.info.units.items() for p, v in unit.parameters.items()}
     numbers = {name: v for name, v in numbers.items() if isinstance(v, float) and "[" not in name}
     data = machine.formulas(result, numbers)
     columns = {

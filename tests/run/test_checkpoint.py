@@ -10,6 +10,7 @@ from cosimo.components.core.variables import output
 from cosimo.orchestrator.engine.algorithms.master import Master
 from cosimo.orchestrator.run.checkpoint import check_wish
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.run.run_record import CheckpointsRecord
 from cosimo.orchestrator.units import Interface
 from cosimo.orchestrator.verified_file import verified_bytes, verified_content
 from cosimo.tests.engine.algorithms.bonded import bonded
@@ -98,9 +99,9 @@ def same(one, other):
     for name, snapshot in one.snapshots.items():
         assert snapshot.time.tobytes() == other.snapshots[name].time.tobytes()
         assert snapshot.values.tobytes() == other.snapshots[name].values.tobytes()
-    assert one.info.get("energy") == other.info.get("energy")
-    assert one.info["counters"].get("stepping") == other.info["counters"].get("stepping")
-    assert one.info["counters"]["master"]["steps"] == other.info["counters"]["master"]["steps"]
+    assert one.info.energy == other.info.energy
+    assert one.info.counters.stepping == other.info.counters.stepping
+    assert one.info.counters.master["steps"] == other.info.counters.master["steps"]
 
 
 @pytest.mark.parametrize("name", full_but(SCENES.keys() - {"milne"}, SCENES))
@@ -110,7 +111,7 @@ def test_a_resumed_run_gives_the_same_bits(name, tmp_path):
     same(whole, run(scene, checkpoint_every=0.34 * scene.stop_time, checkpoint_to=file))
     resumed = run(scene, resume=file)
     same(whole, resumed)
-    assert 0.6 * scene.stop_time < resumed.info["resumed"]["at"] < 0.8 * scene.stop_time
+    assert 0.6 * scene.stop_time < resumed.info.resumed.at < 0.8 * scene.stop_time
 
 
 @pytest.mark.parametrize("in_process", [False, True])
@@ -125,11 +126,11 @@ def test_fmus_and_components_go_on_from_their_own_states(in_process, tmp_path):
 def test_a_resumed_run_writes_checkpoints_at_the_same_times(tmp_path):
     scene, file, other = oscillator(), tmp_path / "a", tmp_path / "b"
     whole = run(scene, checkpoint_every=0.25, checkpoint_to=file)
-    assert whole.info["checkpoints"] == {"every": 0.25, "to": "a", "written": 3, "last": 0.75}
+    assert whole.info.checkpoints == CheckpointsRecord(every=0.25, to="a", written=3, last=0.75)
     resumed = run(scene, resume=file, checkpoint_every=0.2, checkpoint_to=other)
-    assert resumed.info["checkpoints"]["last"] == 0.8
+    assert resumed.info.checkpoints.last == 0.8
     same(whole, run(scene, resume=other))
-    assert run(scene).info.keys().isdisjoint({"checkpoints", "resumed"})
+    assert run(scene).info.to_json().keys().isdisjoint({"checkpoints", "resumed"})
 
 
 def test_the_first_interrupt_leaves_a_checkpoint(tmp_path, monkeypatch):
@@ -297,7 +298,7 @@ def test_a_run_goes_on_where_a_checkpoint_cannot_be_written(tmp_path, monkeypatc
     monkeypatch.setattr(os, "replace", full)
     result = run(oscillator(), checkpoint_every=0.2, checkpoint_to=tmp_path / "run.checkpoint")
     assert result.outcome == "done"
-    assert [w for w in result.info["warnings"] if "the checkpoint at t = 0.2 s could not be written" in w]
-    assert len([w for w in result.info["warnings"] if "could not be written" in w]) == 1
-    assert result.info["checkpoints"]["written"] == 0
+    assert [w for w in result.info.warnings if "the checkpoint at t = 0.2 s could not be written" in w]
+    assert len([w for w in result.info.warnings if "could not be written" in w]) == 1
+    assert result.info.checkpoints.written == 0
     assert os.listdir(tmp_path) == []

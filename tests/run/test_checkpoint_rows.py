@@ -47,7 +47,7 @@ def test_a_resumed_run_gives_the_same_bits_wherever_it_writes(name, where, tmp_p
     target = {"the same": out, "another": tmp_path / "new", "memory": None, "moved": out}[where]
     resumed = run(scene, resume=out / "checkpoint", output=target)
     same(whole, resumed)
-    assert resumed.info["resumed"]["at"] > 0.6 * scene.stop_time
+    assert resumed.info.resumed.at > 0.6 * scene.stop_time
     if target is not None:
         same(whole, read_result(target))
         assert csv_of(target)[:, 0].tobytes() == whole.time.tobytes()

@@ -162,7 +162,7 @@ def test_model_exchange_goes_back_with_the_others_or_the_scene_is_refused():
     }
     result = run(read_scene(scene))
     assert result.outcome == "done", result.message
-    assert result.info["counters"]["stepping"]["rejected"] > 0
+    assert result.info.counters.stepping.rejected > 0
     t = result.time  # x' = -5 x + cos 10 t
     exact = (5.0 * np.cos(10.0 * t) + 10.0 * np.sin(10.0 * t) - 5.0 * np.exp(-5.0 * t)) / 125.0
     np.testing.assert_allclose(result["f.x"], exact, atol=allowed * len(t))
@@ -356,7 +356,7 @@ def test_a_run_of_fmus_goes_on_from_a_file_to_the_same_bits(tmp_path):
     )
     whole = run(scene, checkpoint_every=0.15, checkpoint_to=tmp_path / "checkpoint")
     resumed = run(scene, resume=tmp_path / "checkpoint")
-    assert (whole.outcome, resumed.info["resumed"]["at"]) == ("done", pytest.approx(0.15, abs=2e-3))
+    assert (whole.outcome, resumed.info.resumed.at) == ("done", pytest.approx(0.15, abs=2e-3))
     for name in whole.columns:
         assert whole[name].tobytes() == resumed[name].tobytes(), name
 

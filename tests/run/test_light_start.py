@@ -30,7 +30,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 scene = load_scene({scene!r}).with_changes({{"stop_time": 0.1}})
 result = run(scene, in_process=True, output={output!r})
-print(json.dumps([result.info["timing"]["compile"], imports.cache_info().misses, [m for m in {heavy!r} if m in sys.modules]]))
+print(json.dumps([result.info.timing.compile, imports.cache_info().misses, [m for m in {heavy!r} if m in sys.modules]]))
 """
 
 
@@ -74,7 +74,7 @@ import sys
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 scene = load_scene("mass-on-spring").with_changes({"stop_time": 0.1})
-print(run(scene).info["timing"]["compile"], "numba" in sys.modules)
+print(run(scene).info.timing.compile, "numba" in sys.modules)
 """
 
 

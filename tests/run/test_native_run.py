@@ -21,14 +21,14 @@ STEPS = 500  # macro steps: what takes the time is to build the FMUs
 def assert_same_bits(scene):
     ours, theirs = finished(scene), run(scene, native=True)
     assert theirs.outcome == "done", theirs.message
-    units, expected = theirs.info["units"], ours.info["units"]
+    units, expected = theirs.info.units, ours.info.units
     tables = {name for name, unit in scene.units.items() if unit.signals}  # they are in process in every run
-    assert {unit["kind"] for name, unit in units.items() if name not in tables} <= {
+    assert {unit.kind for name, unit in units.items() if name not in tables} <= {
         "native FMU",
         "native FMU in a worker process",
         "contact",
     }
-    assert [unit["parameters"] for unit in units.values()] == [unit["parameters"] for unit in expected.values()]
+    assert [unit.parameters for unit in units.values()] == [unit.parameters for unit in expected.values()]
     np.testing.assert_array_equal(theirs.time, ours.time)
     assert theirs.columns.keys() == ours.columns.keys()
     for column, values in ours.columns.items():

@@ -332,7 +332,7 @@ def test_a_signal_leaves_a_whole_result(number, tmp_path):
         process.kill()
     assert process.returncode == 128 + number, errors
     result = read_result(tmp_path)
-    assert (result.outcome, result.info["signal"]) == ("stopped", number.name)
+    assert (result.outcome, result.info.signal) == ("stopped", number.name)
     assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + result.rows
 
 

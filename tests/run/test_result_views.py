@@ -30,7 +30,7 @@ def test_html_is_small_and_has_no_script(masses):
     assert "<script" not in html
     assert "Two &lt;masses&gt;" in html
     assert html.count("<svg") == min(len(masses.columns), 6)
-    warned = replace(masses, info={**masses.info, "warnings": ["a < b", *"cdef"]}, outcome="failed", message="no <reason>")
+    warned = replace(masses, info=replace(masses.info, warnings=("a < b", *"cdef"), outcome="failed", message="no <reason>"))
     html = warned._repr_html_()
     assert "a &lt; b" in html
     assert "2 more warnings" in html

@@ -111,7 +111,7 @@ def test_a_signal_takes_effect_after_the_step_and_keeps_what_was_computed(number
     monkeypatch.setattr(Probe, "_step", interrupted)
     result = run(read_scene(PROBE))
     assert (result.outcome, result.message) == ("stopped", f"stopped by {number.name} at t = 0.5 s")
-    assert result.info["signal"] == number.name
+    assert result.info.signal == number.name
     assert len(result.time) == 6
     assert [signal.getsignal(one) for one in STOPPING] == handlers
 
@@ -173,7 +173,7 @@ def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
     assert result.outcome == "failed"
     assert "did not converge in 30 sweeps" in result.message
     assert "no common equilibrium" in result.message
-    assert result.info["counters"]["master"]["initial_residual"] > 1e-3
+    assert result.info.counters.master["initial_residual"] > 1e-3
     assert result.time.size == 0
 
 
@@ -190,7 +190,7 @@ def test_csv_keeps_every_bit(tmp_path):
 @pytest.mark.interpreted
 def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
     scene = {**PROBE, "units": {"q": {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"]}}}
-    info = json.loads(json.dumps(run(read_scene(scene), in_process=True).info))
+    info = json.loads(json.dumps(run(read_scene(scene), in_process=True).info.to_json()))
     assert info["effects"]["q"]["on"] == {"contact_loss": "named in the scene", "lower_frame": "preset 'EN 50318:2018'"}
     assert "bump_stops" in info["effects"]["q"]["off"]
     assert "q.wire_height" in info["settings"]["undriven_inputs"]
@@ -219,12 +219,12 @@ def test_compilation_is_no_part_of_the_times_of_starting_and_running(monkeypatch
     monkeypatch.setattr(Linear, "_initialize", initialize)
     monkeypatch.setattr(Linear, "_step", step)
     since = perf_counter()
-    timing = run(read_scene(two_masses()), in_process=True).info["timing"]
+    timing = run(read_scene(two_masses()), in_process=True).info.timing
     whole = perf_counter() - since
-    assert timing["compile"] >= 2 * (0.05 + 0.1)  # of two masses
-    assert timing["start"] + timing["compile"] + timing["run"] <= whole  # a second counted twice would be beyond it
+    assert timing.compile >= 2 * (0.05 + 0.1)  # of two masses
+    assert timing.start + timing.compile + timing.run <= whole  # a second counted twice would be beyond it
     monkeypatch.undo()
-    assert run(read_scene(two_masses()), in_process=True).info["timing"]["compile"] == 0.0
+    assert run(read_scene(two_masses()), in_process=True).info.timing.compile == 0.0
 
 
 def test_missing_column_names_the_near_ones():

@@ -113,7 +113,7 @@ def test_a_step_that_misses_rows_says_how_much(tmp_path):
     for frequency, warned in ((1.0, False), (10.0, True)):
         text = "time,force [N]\n" + "".join(f"{a!r},{math.sin(2 * math.pi * frequency * a)!r}\n" for a in t.tolist())
         scene = mass(tmp_path, text, step=0.02)
-        warnings = [w for w in run(scene).info["warnings"] if "rows in a macro step" in w]
+        warnings = [w for w in run(scene).info.warnings if "rows in a macro step" in w]
         assert bool(warned) == bool(warnings)
         chord = np.interp(t, t[::20], np.sin(2 * np.pi * frequency * t[::20])) - np.sin(2 * np.pi * frequency * t)
         missed = 100.0 * np.sqrt(np.mean(chord**2)) / np.std(np.sin(2 * np.pi * frequency * t))
@@ -258,8 +258,8 @@ def test_native_fmus_of_components_leave_the_table_where_it_is(tmp_path):
     scene = mass(tmp_path, JUMPING)
     whole = run(scene)
     result = cosimo.run(scene, verify="no")
-    assert result.info["units"]["road"]["kind"] == "in process"
-    assert result.info["units"]["mass"]["kind"] == "FMU"
+    assert result.info.units["road"].kind == "in process"
+    assert result.info.units["mass"].kind == "FMU"
     np.testing.assert_array_equal(result["mass.base_x"], whole["mass.base_x"])
 
 
@@ -349,4 +349,4 @@ def test_a_table_beside_the_working_directory_is_found_by_repetitions_of_a_scene
         step=0.01,
     )
     result = cosimo.run(scene, in_process=True, verify="whole")
-    assert result.info["verification"]["done"], result.info["verification"]["why"]
+    assert result.info.verification.done, result.info.verification.why

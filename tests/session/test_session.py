@@ -454,10 +454,10 @@ def test_values_of_kernels_are_not_those_of_before_a_reset():
 
 def test_a_result_says_what_a_run_would_and_that_it_is_not_verified():
     result = whole(load_scene("mass-on-spring").with_changes({"stop_time": 0.1}), {}, (5,))
-    assert result.info["verification"]["done"] is False
-    assert any("errors of the results are not known" in text for text in result.info["warnings"])
+    assert result.info.verification.done is False
+    assert any("errors of the results are not known" in text for text in result.info.warnings)
     fast = load_scene("en50318-2002").with_changes({"pantograph.speed": 160.0, "stop_time": 0.1})
-    assert any("160 km/h or 160 m/s" in text for text in whole(fast, {}, (5,)).info["warnings"])
+    assert any("160 km/h or 160 m/s" in text for text in whole(fast, {}, (5,)).info.warnings)
 
 
 @pytest.mark.full

@@ -24,7 +24,7 @@ def scene(fmu, isolation="none", **parameters):
 
 
 def of_discarded(result) -> list[str]:
-    return [warning for warning in result.info["warnings"] if "discarded" in warning]
+    return [warning for warning in result.info.warnings if "discarded" in warning]
 
 
 @pytest.mark.parametrize("strict", [0, 1])
@@ -39,10 +39,10 @@ def test_discarded_steps_are_made_in_shorter_ones(fmi, isolation, strict):
         assert parts[name].tobytes() == whole[name].tobytes()
     (text,) = of_discarded(parts)
     assert text == "f: 10 steps that the FMU discarded were tried again with shorter ones, down to 0.025 s"
-    counters = parts.info["counters"]["units"]["f"]
+    counters = parts.info.counters.units["f"]
     assert (counters["steps"], counters["discarded"], counters["shortest"]) == (10, 10, pytest.approx(0.025))
     assert not of_discarded(whole)
-    assert "discarded" not in whole.info["counters"]["units"]["f"]
+    assert "discarded" not in whole.info.counters.units["f"]
 
 
 @pytest.mark.parametrize("isolation", ["none", "process"])
@@ -65,7 +65,7 @@ def test_inputs_of_shorter_steps_are_those_of_the_macro_step(foreign, flags, iso
         )
 
     whole, parts = integral(1e9), integral(0.04)
-    assert parts.info["counters"]["units"]["f"]["discarded"] == 10
+    assert parts.info.counters.units["f"]["discarded"] == 10
     np.testing.assert_allclose(parts["f.x"], whole["f.x"], rtol=1e-13)
     if flags:
         np.testing.assert_allclose(parts["f.z"], whole["f.z"], rtol=1e-13)
@@ -111,7 +111,7 @@ def test_what_cannot_be_made_shorter_says_why():
 def test_shorter_steps_are_multiples_of_a_fixed_internal_step():
     result = run(scene(native_fmu("told", 3, 'fixedInternalStepSize="0.02"'), longest=0.05), verify="no")
     assert result.outcome == "done"
-    assert result.info["counters"]["units"]["f"]["shortest"] == pytest.approx(0.04)
+    assert result.info.counters.units["f"]["shortest"] == pytest.approx(0.04)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -123,5 +123,5 @@ def test_step_control_repeats_the_step_of_all_units(fmi):
     master = {"step": 0.1, "control": {"method": "doubling"}}
     result = run(read_scene({"stop_time": 1.0, "units": units, "connections": ["f.now -> g.u"], "master": master}), verify="no")
     assert result.outcome == "done"
-    assert "discarded" not in result.info["counters"]["units"]["f"]
-    assert result.info["counters"]["stepping"]["failed"] > 0
+    assert "discarded" not in result.info.counters.units["f"]
+    assert result.info.counters.stepping.failed > 0

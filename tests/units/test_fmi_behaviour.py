@@ -493,7 +493,7 @@ def test_scheduled_execution_and_clocks_to_tick_are_refused():
     asleep = clock.replace('intervalVariability="constant" intervalDecimal="0.1"', 'intervalVariability="triggered"')
     unit = changed("dahlquist", 3, "</ModelVariables>", asleep + "</ModelVariables>")
     data = {"stop_time": 0.2, "units": {"f": {"fmu": unit.fmu}}, "master": {"step": 0.1}}
-    assert any("f: clock tick" in w for w in run(read_scene(data)).info["warnings"])
+    assert any("f: clock tick" in w for w in run(read_scene(data)).info.warnings)
 
 
 def test_an_fmu_without_a_binary_for_this_platform_is_bad_input(tmp_path):

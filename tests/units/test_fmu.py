@@ -27,7 +27,7 @@ def test_every_kind_of_input_gets_the_right_impulse(foreign, flags):
     """Input t, exact but for the first step, where it is held at 0: the integral misses h²/2, whatever the FMU can."""
     result = run(read_scene(scene(foreign(flags))))
     assert result["f.x"][-1] == pytest.approx(0.5 - H2 / 2, rel=1e-13)  # rounding of ten steps
-    assert result.info["settings"]["held_at_mean"] == ([] if flags else ["f"])
+    assert result.info.settings["held_at_mean"] == ([] if flags else ["f"])
 
 
 @pytest.mark.parametrize("flags", ["", 'canInterpolateInputs="true"'])
@@ -113,7 +113,7 @@ def test_own_fmu_by_path_equals_the_component():
     assert by_path.columns.keys() == here.columns.keys()
     for name in here.columns:
         assert by_path[name].tobytes() == here[name].tobytes()
-    assert by_path.info["effects"] == here.info["effects"]
+    assert by_path.info.effects == here.info.effects
 
 
 def test_effects_of_an_fmu_are_checked():

@@ -86,8 +86,8 @@ def test_a_wide_connection_and_an_fmu_lose_no_bit(in_process):
     assert (one.outcome, other.outcome) == ("done", "done"), other.message
     for name in one.columns:
         assert one[name].tobytes() == other[name].tobytes(), name
-    assert one.info["effects"] == other.info["effects"]
-    kinds = {u["kind"] for u in other.info["units"].values()}
+    assert one.info.effects == other.info.effects
+    kinds = {u.kind for u in other.info.units.values()}
     assert kinds == {"component in a worker process" if in_process else "FMU in a worker process"}
 
 
@@ -132,7 +132,7 @@ def test_a_step_is_one_request():
         data = {**two_masses(), "stop_time": stop_time}
         data["units"]["a"]["isolation"] = "process"
         result = run(read_scene(data))
-        return result.info["counters"]["units"]["a"]["requests"]
+        return result.info.counters.units["a"]["requests"]
 
     assert requests(1.0) - requests(0.5) == 50
 
@@ -174,8 +174,8 @@ def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble
     assert result["b.steps"].tolist() == [0, 1, 2]
     assert gone([result[f"{unit}.process"][0] for unit in ("ab" if both else "a")])
     assert list(tmp_path.iterdir()) == []
-    assert result.info["units"]["a"]["parameters"]["trouble"] == trouble
-    assert result.info["counters"]["units"]["a"]["requests"] > 3
+    assert result.info.units["a"].parameters["trouble"] == trouble
+    assert result.info.counters.units["a"]["requests"] > 3
 
 
 def killed_before(method, monkeypatch):
@@ -242,7 +242,7 @@ def test_a_unit_that_hangs_is_given_up_after_its_time_limit():
     assert result.message == "a failed at t = 0.2 s: no answer within 3 s; its worker process was ended"
     assert len(result.time) == 3
     assert gone([result["a.process"][0]])
-    assert result.info["timing"]["run"] < LONG / 3
+    assert result.info.timing.run < LONG / 3
 
 
 def test_a_time_limit_without_isolation_is_refused():
@@ -296,13 +296,13 @@ def test_a_library_that_changes_the_directory_of_the_run_does_not_move_its_resul
     monkeypatch.chdir(tmp_path)
     result = run(read_scene(misbehaving(MOVES, "none")))
     assert Path.cwd() == tmp_path
-    assert any("has changed the working directory" in text for text in result.info["warnings"])
+    assert any("has changed the working directory" in text for text in result.info.warnings)
     assert result.save("out").resolve() == tmp_path / "out"
 
 
 def test_warnings_of_a_unit_reach_the_run_and_a_time_limit_does_nothing_to_a_unit_that_answers():
     result = run(read_scene(troubled("warning", time_limit=60.0)))
-    assert (result.outcome, result.info["warnings"]) == ("done", ["the oil is old"])
+    assert (result.outcome, result.info.warnings) == ("done", ["the oil is old"])
 
 
 def test_rollback_and_packed_states_through_a_worker():

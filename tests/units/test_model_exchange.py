@@ -79,7 +79,7 @@ def test_a_ball_bounces_when_it_should(solver, step):
     relative = 1e-9
     result = run(read_scene(scene(step=step, stop=2.0, solver=solver, tolerance=relative)))
     assert result.outcome == "done", result.message
-    counted = result.info["counters"]["units"]["f"]
+    counted = result.info.counters.units["f"]
     exact = [height(t)[0] for t in result.time]
     before, after = ([height(t + s)[1] for t in result.time] for s in (-1e-6, 1e-6))
     assert max(before) == 4
@@ -372,10 +372,10 @@ def test_a_coupled_run_and_its_isolated_twin():
     data["units"]["f"]["isolation"] = "process"
     there = run(read_scene(data))
     assert (here.outcome, there.outcome) == ("done", "done"), there.message
-    bound = here.info["counters"]["units"]["f"]["solver_steps"] * SPREAD * 1e-8
+    bound = here.info.counters.units["f"]["solver_steps"] * SPREAD * 1e-8
     assert np.abs(here["f.x"] - (here.time - 1.0 + np.exp(-here.time))).max() < bound
     assert here["f.x"].tobytes() == there["f.x"].tobytes()
-    assert here.info["units"]["f"]["kind"] == "FMU for model exchange with CVode"
+    assert here.info.units["f"].kind == "FMU for model exchange with CVode"
 
 
 def test_a_step_after_a_failure_is_not_possible_but_the_unit_can_be_closed():

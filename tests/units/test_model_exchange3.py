@@ -41,7 +41,7 @@ def test_both_versions_give_the_same_bits(name, solver):
     assert three.time.tolist() == two.time.tolist()
     for signal in two.columns:
         assert three[signal].tolist() == two[signal].tolist(), signal
-    counts = [r.info["counters"]["units"]["f"] for r in (two, three)]
+    counts = [r.info.counters.units["f"] for r in (two, three)]
     assert counts[0] == counts[1]
 
 

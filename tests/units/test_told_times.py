@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cosimo import BadInput, compare, load_scene, read_scene, run, write_scene
 from cosimo.orchestrator.cli.application import app
+from cosimo.orchestrator.units.fmu_messages import FmuLog
 from cosimo.tests.units.native import STATE, native_fmu
 from typer.testing import CliRunner
 
@@ -43,7 +44,7 @@ def test_every_unit_is_told_start_stop_and_tolerance(fmi, isolation):
     assert result["f.now"] == pytest.approx(result.time, rel=1e-15)
     last = {name: result[f"f.{name}"][-1] for name in ("start", "stop", "tolerance")}
     assert last == {"start": 10.0, "stop": 11.0, "tolerance": 1e-5}
-    assert result.info["timing"]["simulated"] == pytest.approx(1.0)
+    assert result.info.timing.simulated == pytest.approx(1.0)
 
 
 TIMES = [  # default experiment, changes -> start, stop, step
@@ -125,14 +126,12 @@ def test_a_run_that_starts_later_is_the_same_run_later(fmi, tmp_path):
     a, b = run(now), run(later)
     assert b.time == pytest.approx(a.time + 64.0, rel=1e-15)
     assert np.allclose(a["f.x0"], b["f.x0"], rtol=1e-12)
-    assert b.info["verification"]["done"]
-    assert b.info["verification"]["signals"]["f.x0"]["rms"] == pytest.approx(
-        a.info["verification"]["signals"]["f.x0"]["rms"], rel=1e-6
-    )
+    assert b.info.verification.done
+    assert b.info.verification.signals["f.x0"].rms == pytest.approx(a.info.verification.signals["f.x0"].rms, rel=1e-6)
     whole = later.with_changes({"record.interval": None})
     run(whole, verify="no", checkpoint_every=0.4, checkpoint_to=tmp_path / "c")
     resumed = run(whole, verify="no", resume=tmp_path / "c")
-    assert resumed.info["resumed"]["at"] == 64.8
+    assert resumed.info.resumed.at == 64.8
     assert resumed["f.x0"].tolist() == run(whole, verify="no")["f.x0"].tolist()
 
 
@@ -171,7 +170,7 @@ def test_an_output_that_is_no_number_ends_a_run_only_where_it_matters(fmi, isola
     result = run(scene(fmu, isolation, parameters={"known_from": 10.35}), verify="no")
     assert result.outcome == "done"
     assert np.isnan(result["f.sensor"]).tolist() == [True] * 4 + [False] * 7
-    assert [w for w in result.info["warnings"] if "sensor" in w] == ["f.sensor was no number at t = 10 s; no connection uses it"]
+    assert [w for w in result.info.warnings if "sensor" in w] == ["f.sensor was no number at t = 10 s; no connection uses it"]
     wished = scene(fmu, isolation, parameters={"known_from": 10.35}, study={"quantities": ["f.sensor, maximum"]})
     failed = run(wished, verify="no")
     assert failed.outcome == "failed"
@@ -187,18 +186,18 @@ def test_an_output_that_is_no_number_ends_a_run_only_where_it_matters(fmi, isola
 def test_what_a_foreign_fmu_says_is_counted_kept_and_told(fmi, isolation, tmp_path):
     result = run(scene(told(fmi), isolation, parameters={"chatty": 30}), verify="no", output=tmp_path / "out")
     assert result.outcome == "done"
-    assert result.info["fmu_log"]["f"]["counts"] == {"warning": 300, "returned a warning": 10}
+    assert result.info.fmu_log["f"].counts == {"warning": 300, "returned a warning": 10}
     first, *others = (tmp_path / "out" / "fmu.log").read_text().splitlines()
     assert first == "t = 10 s  f  warning: step 1: the table was left at 10 s"
     assert (len(others), others[-1]) == (100, "f  warning: 200 more messages, which were counted only")
     assert others[31].startswith("t = 10.1 s")
-    (warning,) = [w for w in result.info["warnings"] if "the table" in w]
+    (warning,) = [w for w in result.info.warnings if "the table" in w]
     assert warning == "f: 300 messages of level warning, the first at t = 10 s: step 1: the table was left at 10 s"
     silent = run(scene(told(fmi), isolation), verify="no", output=tmp_path / "out", fmu_log="info")
-    assert "fmu_log" not in silent.info
+    assert not silent.info.fmu_log
     assert not (tmp_path / "out" / "fmu.log").exists()
     only_errors = run(scene(told(fmi), isolation, parameters={"chatty": 1}), verify="no", fmu_log="error")
-    assert only_errors.info["fmu_log"]["f"] == {"counts": {"warning": 10, "returned a warning": 10}, "messages": []}
+    assert only_errors.info.fmu_log["f"] == FmuLog({"warning": 10, "returned a warning": 10}, ())
     with pytest.raises(
         BadInput, match=r"fmu_log: got 'warnings', expected one of none, info, warning, .* Did you mean 'warning'"
     ):
@@ -210,7 +209,7 @@ def test_a_repetition_leaves_the_files_of_the_run(fmi, isolation, tmp_path, monk
     monkeypatch.chdir(tmp_path)
     shutil.copy(told(fmi), tmp_path / "told.fmu")
     result = run(scene("told.fmu", isolation, parameters={"writes": 1}), verify="whole")
-    assert result.info["verification"]["done"], result.info["verification"]
-    assert result.info["verification"]["runs"] > 1
+    assert result.info.verification.done, result.info.verification
+    assert result.info.verification.runs > 1
     assert (tmp_path / "written-by-the-fmu").read_text() == "a step\n" * 10
     assert os.getcwd() == str(tmp_path)

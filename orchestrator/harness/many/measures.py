@@ -120,7 +120,7 @@ def function_of(text: str) -> Callable[[Result], Any]:
 def row_of_result(result: Result, task: Task) -> PointResult:
     """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured
     fails the point, and leaves the others of its numbers."""
-    row = PointResult("done", "; ".join(unfollowed(result.info.get("missed"))))
+    row = PointResult("done", "; ".join(unfollowed(result.info.missed)))
     for part in (_statistics, _summary, _quantities, _functions):
         try:
             row.numbers.add(part(result, task))

@@ -15,6 +15,7 @@ from ...opened.open_scene import Course, OpenScene
 from ...run.progress import Interrupt, Stop
 from ...run.results import Result
 from ...run.run import Run, run
+from ...run.run_record import RunRecord, UnitRecord
 from ...run.watch import Watch
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked_for
@@ -37,7 +38,7 @@ def row_of(run: Callable[[], Result], task: Task) -> PointResult:
     try:
         result = run()
         if result.outcome == "stopped":
-            return PointResult("not run", stopped=Signals[result.info["signal"]])
+            return PointResult("not run", stopped=Signals[result.info.signal])
         return row_of_result(result, task) if result.outcome == "done" else PointResult(result.outcome, result.message)
     except BadInput as error:  # a value with which this point cannot start
         return PointResult("refused", str(error))
@@ -108,16 +109,16 @@ class PointRuns:
                 observe(0, scene.start_time)
             stepping.run(observers)
         except KeyboardInterrupt:
-            return watch.result(scene, {"outcome": "stopped", "signal": (stop.taken or SIGINT).name})
+            return watch.result(scene, RunRecord(outcome="stopped", signal=(stop.taken or SIGINT).name))
         if watch.monitor is not None:
             watch.monitor.close(scene.stop_time)
         if master.no_numbers:
             raise StepFailed(scene.name, scene.stop_time, "an output was no number")
         watch.signals.flush()
-        info: dict[str, Any] = {"outcome": "done", "missed": watch.monitor and watch.monitor.missed()}
-        if self._task.summarize is not None:
-            info["units"] = {name: {"parameters": unit.parameters()} for name, unit in open_scene.units.items()}
-        return watch.result(scene, info)
+        summed_up = open_scene.units.items() if self._task.summarize is not None else ()
+        units = {name: UnitRecord(parameters=unit.parameters()) for name, unit in summed_up}
+        missed = watch.monitor.missed() if watch.monitor is not None else None
+        return watch.result(scene, RunRecord(outcome="done", missed=missed, units=units))
 
     def _are_numbers(self, names: tuple[str, ...]) -> bool:
         """Whether points that differ in these names differ in numbers alone."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...run.run_record import VerificationRecord
 from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
@@ -46,7 +47,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     blocks: list[Block] = []
     if result.outcome != "done":
         blocks.append(Text([_ended(result)], "warning"))
-    warnings = result.info.get("warnings", ())
+    warnings = result.info.warnings
     doubts = [_sentence(text, scene) for text in warnings if text not in scene.remarks]
     for texts, tone in ((doubts, "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
@@ -63,7 +64,11 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     badge = judged[0].outcome if judged else result.outcome
     sections = [Section("Run", blocks, badge=badge)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
-    sections += [Section("Numerical errors", trust.blocks(result))] if "verification" in result.info else []
+    sections += (
+        [Section("Numerical errors", trust.blocks(result))]
+        if result.info.verification != VerificationRecord(done=False, why="")
+        else []
+    )
     sections += [Section("How it was computed", computed)] if computed else []
     how = Text([generic.run_line(result)], "settings")
     sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
@@ -98,7 +103,7 @@ def _verdict(result: Result) -> str:
     end = f"{number(float(result.time[-1]) if result.time.size else 0.0)} s simulated"
     if result.outcome != "done":
         return f"This run {_ENDED[result.outcome]}, {end}."
-    count = len([text for text in result.info.get("warnings", ()) if text not in result.scene.remarks])
+    count = len([text for text in result.info.warnings if text not in result.scene.remarks])
     return f"Done: {end}, " + (f"{count} warning{'s' if count > 1 else ''}." if count else "no warning.")
 
 
@@ -128,7 +133,7 @@ def _summary(result: Result, systems: Systems) -> Summary:
     if system not in systems or result.time.size < 2:
         return ()
     try:
-        return with_errors(systems[system].summary(result), result.info)
+        return with_errors(systems[system].summary(result), result.info.verification)
     except BadInput:
         return ()  # the line in place of the figures says why
 

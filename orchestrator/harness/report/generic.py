@@ -10,6 +10,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...run.run_info import flattened
+from ...run.run_record import EffectsRecord
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.signals import axis_of
@@ -144,13 +145,13 @@ def _panels(unit: str, signals: Mapping[str, np.ndarray]) -> list[tuple[str, lis
     return [(unit, sorted(panel, key=order.index)) for panel in panels]
 
 
-def effect_rows(effects: Mapping[str, Any]) -> list[tuple[str, str]]:
+def effect_rows(effects: Mapping[str, EffectsRecord]) -> list[tuple[str, str]]:
     """What was on and what was off in every unit, with the reasons; effects of one reason together."""
     rows = []
     for unit, states in effects.items():
-        for state in ("on", "off"):
+        for state, reasons_of in (("on", states.on), ("off", states.off)):
             reasons: dict[str, list[str]] = {}
-            for effect, why in states.get(state, {}).items():
+            for effect, why in reasons_of.items():
                 reasons.setdefault(str(why), []).append(effect)
             text = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
             rows.append((f"{unit}, {state}", text or "none"))
@@ -167,8 +168,9 @@ def run_blocks(result: Result) -> list[Facts]:
         "versions": "Versions",
         "scene": "Scene as run",
     }
-    effects = [Facts("Effects", effect_rows(result.info["effects"]))] if result.info.get("effects") else []
-    return effects + [Facts(title, flattened(result.info[key]), True) for key, title in titles.items() if result.info.get(key)]
+    effects = [Facts("Effects", effect_rows(result.info.effects))] if result.info.effects else []
+    written = result.info.to_json()
+    return effects + [Facts(title, flattened(written[key]), True) for key, title in titles.items() if key in written]
 
 
 def units_and_connections(result: Result) -> list[Sketch | Text]:
@@ -182,14 +184,13 @@ def units_and_connections(result: Result) -> list[Sketch | Text]:
 def run_line(result: Result) -> str:
     """The run in one line: step, master, packaging, cost."""
     info, master = result.info, result.scene.master
-    kinds = sorted({KINDS.get(u.get("kind", ""), u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
+    kinds = sorted({KINDS.get(u.kind, u.kind) for u in info.units.values()} - {""})
     steps = f"at {1e3 * master.step:g} ms" if master.control is None else f"with controlled steps ({master.control.method})"
     parts = [f"{master.algorithm} {steps}, extrapolation of degree {master.extrapolation}"]
     if kinds:
         parts.append("units as " + " and ".join(kinds))
-    timing = info.get("timing")
-    if timing:
-        parts.append(f"{timing['simulated']:.3g} s simulated in {timing['run']:.2g} s after {timing['start']:.2g} s of start")
-    if info.get("versions"):
-        parts.append(", ".join(f"{k} {v}" for k, v in info["versions"].items() if k in ("cosimo", "numpy", "numba")))
+    if (timing := info.timing) is not None:
+        parts.append(f"{timing.simulated:.3g} s simulated in {timing.run:.2g} s after {timing.start:.2g} s of start")
+    if info.versions:
+        parts.append(", ".join(f"{k} {v}" for k, v in info.versions.items() if k in ("cosimo", "numpy", "numba")))
     return "; ".join(parts) + "."

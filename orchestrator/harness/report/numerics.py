@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...engine.algorithms.initial import InitializationResult
+from ...run.run_record import BondEnergy, SteppingRecord
 from ...run.thresholds import ENERGY
 from ...settings import IterationSettings, SceneSettings
 from ..charts.blocks import Block, Cells, Facts, Text
@@ -32,10 +34,10 @@ def blocks(result: Result) -> list[Block]:
     parts: list[Block] = []
     if rows := list(_rows(result)):
         parts.append(Facts("Solver statistics", rows))
-    if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
+    if (given := result.info.counters.stepping) and (steps := steps_chart(result, given)) is not None:
         parts.append(steps)
     parts += _pacing(result)
-    if energy := result.info.get("energy"):
+    if energy := result.info.energy:
         parts.append(energy_table(energy, result.scene))
     return parts
 
@@ -43,18 +45,17 @@ def blocks(result: Result) -> list[Block]:
 def _rows(result: Result) -> Iterator[tuple[str, str]]:
     """Names and values."""
     info = result.info
-    counters = info.get("counters", {})
-    master = counters.get("master", {})
-    for group in info.get("initial_values", ()):
-        if len(group["units"]) > 1:
-            yield f"initial values of {', '.join(group['units'])}", _initial_values(group)
-    if stepping := counters.get("stepping"):
+    master = info.counters.master
+    for group in info.initial_values:
+        if len(group.units) > 1:
+            yield f"initial values of {', '.join(group.units)}", _initial_values(group)
+    if stepping := info.counters.stepping:
         yield "macro steps", _steps(result, stepping)
-        if result.scene.master.events or stepping["events"]:
+        if result.scene.master.events or stepping.events:
             located = f"; located: {', '.join(result.scene.master.events)}" if result.scene.master.events else ""
-            yield "events", f"{_counted(stepping['events'], 'step')} ended at one{located}"
-        if stepping["restores"]:
-            yield "units taken back", f"{_times(stepping['restores'])}, to repeat a step or to make it in halves"
+            yield "events", f"{_counted(stepping.events, 'step')} ended at one{located}"
+        if stepping.restores:
+            yield "units taken back", f"{_times(stepping.restores)}, to repeat a step or to make it in halves"
     if "iterations" in master:
         yield "iterations", _iterations(result, master)
     for text, loop in master.get("algebraic_loops", {}).items():
@@ -65,11 +66,11 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
                 f"{_counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
             ),
         )
-    if past := info.get("resumed"):
-        yield "resumed", f"at {past['at']:.6g} s, from a checkpoint; iterations, loops, work and time are counted from there"
-    if kept := info.get("checkpoints"):
-        last = f", the last at {kept['last']:.6g} s" if kept["written"] else ""
-        yield "checkpoints", f"every {kept['every']:g} s to {kept['to']}: {kept['written']} written{last}"
+    if past := info.resumed:
+        yield "resumed", f"at {past.at:.6g} s, from a checkpoint; iterations, loops, work and time are counted from there"
+    if kept := info.checkpoints:
+        last = f", the last at {kept.last:.6g} s" if kept.written else ""
+        yield "checkpoints", f"every {kept.every:g} s to {kept.to}: {kept.written} written{last}"
     for fault in result.scene.faults:
         end = "the end" if fault.end is None else f"{fault.end:g} s"
         yield "fault", f"{fault_name(fault)}, {fault.begin:g} s to {end}"
@@ -83,26 +84,26 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _initial_values(group: Mapping[str, Any]) -> str:
-    text = f"converged in {_counted(group['sweeps'], 'sweep')}"
-    if group["secants"]:
-        text += f" and {_counted(group['secants'], 'quasi-Newton step')}"
-    return f"{text}; relative change in the last one {group['residual']:.2g}"
+def _initial_values(group: InitializationResult) -> str:
+    text = f"converged in {_counted(group.sweeps, 'sweep')}"
+    if group.secants:
+        text += f" and {_counted(group.secants, 'quasi-Newton step')}"
+    return f"{text}; relative change in the last one {group.residual:.2g}"
 
 
-def _steps(result: Result, counts: Mapping[str, Any]) -> str:
-    kept = counts["accepted"]
+def _steps(result: Result, counts: SteppingRecord) -> str:
+    kept = counts.accepted
     parts = [f"{kept} kept"]
     if result.scene.master.control is not None:
-        parts.append(f"{counts['rejected']} rejected for their error")
-    if counts["failed"]:
-        parts.append(f"{counts['failed']} that a unit could not complete, repeated shorter")
-    if counts["inaccurate"]:
-        parts.append(f"{counts['inaccurate']} kept with an error above the tolerance")
-    if simulated := result.info.get("timing", {}).get("simulated") if kept else None:
-        parts.append(f"mean length {simulated / kept:.3g} s")
-    if "shortest" in counts:
-        parts.append(f"chosen between {counts['shortest']:.3g} and {counts['longest']:.3g} s")
+        parts.append(f"{counts.rejected} rejected for their error")
+    if counts.failed:
+        parts.append(f"{counts.failed} that a unit could not complete, repeated shorter")
+    if counts.inaccurate:
+        parts.append(f"{counts.inaccurate} kept with an error above the tolerance")
+    if kept and result.info.timing is not None:
+        parts.append(f"mean length {result.info.timing.simulated / kept:.3g} s")
+    if counts.shortest is not None:
+        parts.append(f"chosen between {counts.shortest:.3g} and {counts.longest:.3g} s")
     return ", ".join(parts)
 
 
@@ -111,9 +112,9 @@ def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
     if not count:
         return "none: no units feed one another"
     text = f"{count}"
-    if steps and "resumed" not in result.info:
+    if steps and result.info.resumed is None:
         text += f" in {_counted(steps, 'step')}, {count / steps:.3g} a step"
-        text += ", those of rejected steps among them" if "stepping" in result.info["counters"] else ""
+        text += ", those of rejected steps among them" if result.info.counters.stepping else ""
     tolerance = (result.scene.master.iteration or IterationSettings()).tolerance
     if counts.get("unconverged_steps"):
         missed = _counted(counts["unconverged_steps"], "step")
@@ -121,7 +122,7 @@ def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
     return f"{text}; residual in every step that was kept at most {tolerance:g}, the tolerance"
 
 
-def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
+def steps_chart(result: Result, counts: SteppingRecord) -> Block | None:
     """Length of the macro steps over time, where every one is recorded; said where it is not. None for a run without steps."""
     if result.scene.record.interval is not None:
         return Text(["For a chart of the macro step length, remove record.interval: every step must be recorded."], "note")
@@ -131,18 +132,18 @@ def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
     logarithmic = bool(lengths.max() > WIDE * lengths.min())
     steps = Series("macro step", np.repeat(result.time, 2)[1:-1], 1e3 * np.repeat(lengths, 2))
     panel = Panel("macro step, ms", (steps,), logarithmic=logarithmic)
-    text = f"{_counted(counts['accepted'], 'step')} kept"
-    text += f", of which {counts['events']} ended at an event" if counts["events"] else ""
-    text += f"; {counts['rejected']} rejected." if result.scene.master.control is not None else "."
+    text = f"{_counted(counts.accepted, 'step')} kept"
+    text += f", of which {counts.events} ended at an event" if counts.events else ""
+    text += f"; {counts.rejected} rejected." if result.scene.master.control is not None else "."
     if result.scene.faults:
         text += " A step ends where a fault begins or ends, too."
     return draw_chart(Chart("Length of the macro steps", "time, s", (panel,), text, height=200))
 
 
-def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings) -> Cells:
+def energy_table(energy: Mapping[str, BondEnergy], scene: SceneSettings) -> Cells:
     """The energy that went through each bond, and the energy that the coupling created there."""
     rows = [
-        (bond, number(e["exchanged"]), number(e["created"]), _percent(e["created"] / e["exchanged"]) if e["exchanged"] else "–")
+        (bond, number(e.exchanged), number(e.created), _percent(e.created / e.exchanged) if e.exchanged else "–")
         for bond, e in energy.items()
     ]
     text = (
@@ -162,25 +163,24 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %".replace("-", "−")
 
 
-NAMES = {**PACING, "waking": "behind the clock when the wait ended"}
-
-
 def _pacing(result: Result) -> list[Block]:
     """Distribution of the durations and the lateness, and their percentiles; none of a run that did not keep to the clock."""
-    of: Mapping[str, Any] = result.info.get("real_time") or {}
-    if not of:
+    of = result.info.real_time
+    if of is None:
         return []
-    edges = 1e3 * np.array(of["bins"])
+    edges = 1e3 * np.array(of.bins)
     x = np.repeat(edges, 2)[1:-1]
     step = 1e3 * result.scene.master.step
     series = tuple(
-        Series(text, x, np.maximum(np.repeat(np.array(of[f"{name}_counts"], dtype=float), 2), 0.5))
-        for name, text in (("duration", "duration of a step"), ("lateness", "behind the clock"))
+        Series(text, x, np.maximum(np.repeat(np.array(counts, dtype=float), 2), 0.5))
+        for counts, text in ((of.duration_counts, "duration of a step"), (of.lateness_counts, "behind the clock"))
     )
-    largest = max(of["duration"]["100 %"], of["lateness"]["100 %"], 1e-3 * step)
+    largest = max(of.duration["100 %"], of.lateness["100 %"], 1e-3 * step)
     panel = Panel("steps", series, x_marks=((step, "macro step"),), logarithmic=True, x_range=(0.0, 1.2e3 * largest))
-    text = f"{of['steps']} steps, {of['late']} of them behind the clock. Ten bins in a decade; an empty bin is drawn at 0.5."
+    text = f"{of.steps} steps, {of.late} of them behind the clock. Ten bins in a decade; an empty bin is drawn at 0.5."
     chart = Chart("Steps at the pace of the clock", "ms", (panel,), text, height=260)
-    columns = tuple(of["duration"])
-    rows = tuple((NAMES[name], *(f"{1e3 * of[name][p]:.3g}" for p in columns)) for name in NAMES if of[name])
+    columns = tuple(of.duration)
+    waits = {"behind the clock when the wait ended": of.waking} if of.waking else {}
+    percentiles = {PACING["duration"]: of.duration, PACING["lateness"]: of.lateness, **waits}
+    rows = tuple((text, *(f"{1e3 * values[p]:.3g}" for p in columns)) for text, values in percentiles.items())
     return [draw_chart(chart), grid_table(Grid("Percentiles, ms", ("", *columns), rows))]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...run.run_record import Excerpt, SignalRecord, VerificationRecord
 from ...run.thresholds import AIM, WARN
 from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
@@ -21,24 +21,24 @@ SHOWN = 12  # signals, the worst first
 
 def blocks(result: Result) -> list[Block]:
     """Where the errors come from, those of the signals, the worst first, and the worst of all as two curves."""
-    verification = result.info["verification"]
-    parts: list[Block] = [Text([verification_text(verification)], "" if verification["done"] else "note")]
-    if verification.get("signals"):
+    verification = result.info.verification
+    parts: list[Block] = [Text([verification_text(verification)], "" if verification.done else "note")]
+    if verification.signals:
         parts.append(_table(verification, result))
-    if given := verification.get("excerpt"):
-        parts.append(draw_chart(_curves(given, result, verification["step"])))
+    if given := verification.excerpt:
+        parts.append(draw_chart(_curves(given, result, verification.step)))
     return parts
 
 
-def _table(verification: Mapping[str, Any], result: Result) -> Cells:
-    signals = verification["signals"]
-    worst = sorted(signals, key=lambda name: -signals[name]["rms"])
+def _table(verification: VerificationRecord, result: Result) -> Cells:
+    signals = verification.signals
+    worst = sorted(signals, key=lambda name: -(signals[name].rms or 0.0))
     rows = [
         (
             name,
-            percent(signals[name]["rms"]),
-            percent(signals[name]["max"]),
-            f"{order:.2g}" if (order := signals[name]["order"]) is not None else "",
+            percent(signals[name].rms),
+            percent(signals[name].max),
+            f"{order:.2g}" if (order := signals[name].order) is not None else "",
             _kind(signals[name]),
         )
         for name in worst[:SHOWN]
@@ -58,10 +58,10 @@ def _table(verification: Mapping[str, Any], result: Result) -> Cells:
     )
 
 
-def _kind(error: Mapping[str, Any]) -> str:
-    if error.get("parted"):
+def _kind(error: SignalRecord) -> str:
+    if error.parted:
         return "chaotic: trajectories diverge, statistics agree"
-    return "switches at other instants" if error.get("shifted") else ""
+    return "switches at other instants" if error.shifted else ""
 
 
 def percent(share: float | None) -> str:
@@ -73,12 +73,12 @@ def percent(share: float | None) -> str:
     return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
 
 
-def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
-    name = given["signal"]
+def _curves(given: Excerpt, result: Result, step: float) -> Chart:
+    name = given.signal
     unit = result.measures.get(name, "")
-    lines = (Series("repetition, half the steps", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
+    lines = (Series("repetition, half the steps", given.time, given.finer), Series("this run", given.time, given.run))
     measure = f", {unit}" if unit not in ("", "1") else ""
-    difference = Series("difference", given["time"], np.subtract(given["run"], given["finer"]))
+    difference = Series("difference", given.time, np.subtract(given.run, given.finer))
     return Chart(
         "Largest difference between the run and its repetition",
         "time, s",

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from ...kept import Kept
 from ...run.dependence import depends_on
+from ...run.run_record import EffectsRecord, RunRecord
 from ...scene.scene import Scene
 from .effects import Effects, Finding, effects
 from .full_model import effects_on, with_effects
@@ -34,17 +35,16 @@ class Choice:
         """The scene with exactly these effects."""
         return with_effects(scene, self.on)
 
-    def with_reasons(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
-        """What run.json holds, with the reasons of the choice in the place of what the scene says of its effects."""
-        listed = {unit: dict(table) for unit, table in info["effects"].items()}
+    def with_reasons(self, info: RunRecord, tolerance: float) -> RunRecord:
+        """The record of a run, with the reasons of the choice in the place of what the scene says of its effects."""
+        listed = dict(info.effects)
         for unit, on in self.on.items():
             reasons = {name.removeprefix(f"{unit}."): why["why"] for name, why in self.why.items() if why["unit"] == unit}
-            listed[unit] = {"on": {e: reasons[e] for e in on}, "off": {e: why for e, why in reasons.items() if e not in on}}
-        return {
-            **info,
-            "effects": listed,
-            "selection": {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)},
-        }
+            listed[unit] = EffectsRecord(
+                on={e: reasons[e] for e in on}, off={e: why for e, why in reasons.items() if e not in on}
+            )
+        selection = {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)}
+        return replace(info, effects=listed, selection=selection)
 
 
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:

@@ -154,12 +154,13 @@ def _trial(scene: Scene, repeats: int, patience: float, confirm: bool) -> Trial:
         _warm_up(scene)
     except BadInput as error:
         return Trial("refused", str(error), elapsed=perf_counter() - start)
-    measured = "run" if any(kind.in_worker for kind in scene.kinds.values()) else "cpu"
+    in_workers = any(kind.in_worker for kind in scene.kinds.values())
 
     def once_more() -> Trial:
         result = run(scene, in_process=True).unless_stopped()
         outcome = "done" if result.outcome == "done" else "failed"
-        seconds = float(result.info["timing"][measured])
+        timing = result.info.timing
+        seconds = 0.0 if timing is None else timing.run if in_workers else timing.cpu
         return Trial(outcome, result.message, (seconds,), work_of(result), result.time, result.columns)
 
     tried = repeated_trial(once_more, repeats=repeats, patience=patience, confirm=confirm)
@@ -216,8 +217,8 @@ def work_of(result: Result) -> dict[str, int]:
     unit the largest of its counters, which is its most frequent operation, summed, and the hand-overs: one number for the work
     of a run, the same on every machine.
     """
-    counters = result.info["counters"]
-    master, stepping, units = counters["master"], counters.get("stepping", {}), counters["units"].values()
+    counters = result.info.counters
+    master, stepping, units = counters.master, counters.stepping, counters.units.values()
 
     def total(name: str) -> int:
         return sum(int(unit.get(name, 0)) for unit in units)
@@ -229,7 +230,7 @@ def work_of(result: Result) -> dict[str, int]:
         "unit_steps": total("steps"),
         "derivative_calls": total("derivative_calls"),
         "iterations": int(master.get("iterations", 0)),
-        "rollbacks": int(master.get("restores", 0) + stepping.get("restores", 0)),
-        "events": int(stepping.get("events", 0)) + total("events"),
+        "rollbacks": int(master.get("restores", 0) + (stepping.restores if stepping else 0)),
+        "events": (stepping.events if stepping else 0) + total("events"),
         "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units) + handed_over,
     }

@@ -146,7 +146,7 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
         judged, missing = judged_numbers(result, numbers) if result.time.size > 1 else ([], [])
     except BadInput as error:
         judged, missing = [], [str(error)]
-    why = result.info.get("verification", {}).get("why", "") or "not repeated"
+    why = result.info.verification.why or "not repeated"
     rows = tuple(
         Row(j.row, j.value, e := errors.get(j.name, nan), "" if isfinite(e) else why, parameters.get(j.name, nan)) for j in judged
     )
@@ -157,7 +157,7 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
             answers[j.figure] = answer
         answers.setdefault(j.figure, answer)
     case = Case(SHOWN, f"Limits of {Path(limits.table).stem}", "", ())
-    why = result.info.get("verification", {}).get("why", "") if not any(isfinite(row.error) for row in rows) else ""
+    why = result.info.verification.why if not any(isfinite(row.error) for row in rows) else ""
     return CaseResult(
         case, Findings(rows, notes=tuple(dict.fromkeys(missing)), complete=result.outcome == "done", unverified=why)
     ), answers

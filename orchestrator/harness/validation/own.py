@@ -163,7 +163,7 @@ def _measure(
             label = ": ".join(filter(None, (condition, row.reference.condition)))
             own_rows.append(replace(row, reference=replace(row.reference, condition=label)))
         uncompared = [c.counted for c in comparisons if c.incomplete]
-        texts = (*result.info["warnings"], *uncompared, *(judged[0].findings.notes if judged else ()))
+        texts = (*result.info.warnings, *uncompared, *(judged[0].findings.notes if judged else ()))
         notes += [f"{condition}: {text}" for text in texts]
     return Evidence(rows=tuple(own_rows), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
 

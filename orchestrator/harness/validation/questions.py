@@ -79,7 +79,7 @@ class Runs(dict[Any, "Result"]):
             result = run(scene, in_process=self.options.in_process, progress=self.options.progress, remedy=remedy)
         if may_fail:
             return result.unless_stopped()
-        doubts = [] if at_its_steps else unfollowed(result.info.get("missed"))
+        doubts = [] if at_its_steps else unfollowed(result.info.missed)
         self.doubts += [f"{label or scene.name}: {text}" for text in doubts]
         return done(result, label)
 

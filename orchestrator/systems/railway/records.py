@@ -71,7 +71,7 @@ class Track:
 def track_of(result: Result) -> Track:
     """Of the catenary above the foremost pantograph, by the parameters that the run had."""
     run_of = passages(result)
-    return _track(result.info["units"][run_of[0].catenary]["parameters"] if run_of else {})
+    return _track(result.info.units[run_of[0].catenary].parameters if run_of else {})
 
 
 def _track(values: Mapping[str, Any]) -> Track:
@@ -222,7 +222,7 @@ def passages(result: Result) -> list[Passage]:
 def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:
     if not watched:
         return ()
-    values = result.info["units"][catenary]["parameters"]
+    values = result.info.units[catenary].parameters
     for name in ("span_length", "first_watched_support"):
         if name not in values:
             raise BadInput(

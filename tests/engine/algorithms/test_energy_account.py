@@ -35,7 +35,7 @@ def misses(algorithm: str, degree: int, **master) -> np.ndarray:
     for step in STEPS:
         result = run(read_scene(bonded("Link", algorithm, step, degree, **master)))
         energy = 0.5 * (result["a.v_out"] ** 2 + result["b.x_out"] ** 2)
-        gained, made = energy[-1] - energy[0], result.info["energy"][BOND]["created"]
+        gained, made = energy[-1] - energy[0], result.info.energy[BOND].created
         error = np.abs(np.array([result["b.x_out"][-1], result["a.v_out"][-1]]) - oscillation(10.0)).max()
         rows.append((gained, made - gained, error))
     return np.abs(rows).T
@@ -81,17 +81,17 @@ def test_account_in_other_units_and_with_the_opposite_sign_of_the_force():
     scene["connections"][0] = {"source": "b.force", "target": "a.force", "factor": -1.0}
     other = run(read_scene(scene))
     for entry in ("created", "exchanged"):
-        assert other.info["energy"][BOND][entry] == pytest.approx(plain.info["energy"][BOND][entry], rel=1e-9)
+        assert getattr(other.info.energy[BOND], entry) == pytest.approx(getattr(plain.info.energy[BOND], entry), rel=1e-9)
 
 
 def test_energy_is_exchanged_both_ways_and_created_for_the_unit_named_first():
     """The mass gives the spring all its energy, 0.5 J, in the first quarter of its period, and gets it back in the next."""
     scene = bonded("Link", "jacobi", 1e-3, 1, stop=np.pi)
-    assert run(read_scene(scene)).info["energy"][BOND]["exchanged"] == pytest.approx(1.0, rel=1e-3)
+    assert run(read_scene(scene)).info.energy[BOND].exchanged == pytest.approx(1.0, rel=1e-3)
     turned = "b.force * a.v_out"
-    one, other = (run(read_scene(bonded("Link", "jacobi", 0.1, 0, bonds=[name]))).info["energy"][name] for name in (BOND, turned))
-    assert one["created"] > 0.0
-    assert other["created"] == pytest.approx(-one["created"], rel=1e-12)
+    one, other = (run(read_scene(bonded("Link", "jacobi", 0.1, 0, bonds=[name]))).info.energy[name] for name in (BOND, turned))
+    assert one.created > 0.0
+    assert other.created == pytest.approx(-one.created, rel=1e-12)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -99,13 +99,13 @@ def test_energy_that_a_fault_puts_in_is_accounted_where_signals_jump(degree):
     """A body of 1e6 kg stands still; its damper is told 10 m/s for 0.1 s: 10 N s/m * 10 m/s * 10 m/s * 0.1 s, all of it made."""
     scene = bonded("Link", "jacobi", 0.1, degree, stop=1.0, a={"m": 1e6, "v0": 0.0}, b={"k": 0.0, "c": 10.0})
     scene["faults"] = [{"kind": "offset", "signal": "b.velocity", "begin": 0.5, "end": 0.6, "value": 10.0}]
-    assert abs(run(read_scene(scene)).info["energy"][BOND]["created"]) == pytest.approx(100.0, rel=1e-3)
+    assert abs(run(read_scene(scene)).info.energy[BOND].created) == pytest.approx(100.0, rel=1e-3)
 
 
 def test_a_coupling_that_makes_much_energy_is_warned_of():
-    warnings = run(read_scene(bonded("Link", "jacobi", 0.1, 0))).info["warnings"]
+    warnings = run(read_scene(bonded("Link", "jacobi", 0.1, 0))).info.warnings
     assert "the coupling made 0.852 J at the bond a.v_out * b.force" in warnings[0]
-    assert not run(read_scene(bonded("Link", "jacobi", 0.01, 1))).info["warnings"]
+    assert not run(read_scene(bonded("Link", "jacobi", 0.01, 1))).info.warnings
 
 
 # Chassis and wheel of a quarter car (numbers of the FMITest suite), the wheel kicked to 1 m/s
@@ -131,7 +131,7 @@ def quarter_car(step: float, degree: int, **master) -> tuple[float, dict]:
     exact = np.array([(expm(A * t) @ [0.0, 0.0, 0.0, 1.0])[1] for t in result.time])
     weights = np.gradient(result.time)
     error = np.sqrt(weights @ (result["a.v_out"] - exact) ** 2 / (weights @ exact**2))
-    return error, result.info["counters"]["master"] | {"time": result.time}
+    return error, result.info.counters.master | {"time": result.time}
 
 
 def test_correction_of_the_quarter_car():
@@ -195,4 +195,4 @@ def test_the_account_does_not_depend_on_how_many_steps_are_entered_together():
                 course.stepping.run((), n)
             reports.append(course.account.report())
     assert reports[0] == reports[1] == reports[2]
-    assert any(one["created"] for one in reports[0].values())
+    assert any(one.created for one in reports[0].values())

@@ -54,7 +54,7 @@ def error_and_steps(damping: float, step: float, **master) -> tuple[float, int]:
     result = run(read_scene(scene(damping, step, **master)))
     assert result.outcome == "done", result.message
     exact = reference(damping, result.time)
-    work = result.info["counters"]["units"]
+    work = result.info.counters.units
     return float(np.linalg.norm(result["f.force"] - exact) / np.linalg.norm(exact)), work["a"]["steps"] + work["b"]["steps"]
 
 

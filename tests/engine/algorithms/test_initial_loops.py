@@ -59,12 +59,12 @@ def test_circles_of_any_gain_settle_at_the_solution_of_the_linear_system(scale, 
     assert result.outcome == "done", result.message
     # the residual of 1e-12, relative to each output, over the smallest change that a change of an answer can bring
     np.testing.assert_allclose([result[f"g{i}.y"][0] for i in range(3)], exact, rtol=1e-9)
-    (group,) = result.info["initial_values"]
-    assert set(group["units"]) == {"g0", "g1", "g2"}
-    assert group["residual"] <= 1e-9
-    assert (group["secants"] == 0) == (scale == 0.05)
+    (group,) = result.info.initial_values
+    assert set(group.units) == {"g0", "g1", "g2"}
+    assert group.residual <= 1e-9
+    assert (group.secants == 0) == (scale == 0.05)
     # n + 1 answers span the space of n unknowns, one more is the solution; a rounded space may need a few more
-    assert group["secants"] <= 8
+    assert group.secants <= 8
 
 
 def test_pantographs_on_each_others_heads_settle_where_both_hang_free():
@@ -122,8 +122,8 @@ def test_groups_settle_one_after_the_other_whatever_their_order_in_the_scene():
             }
         )
     )
-    assert [set(group["units"]) for group in result.info["initial_values"]] == [{"first"}, {"p", "q"}, {"last"}]
-    assert [group["sweeps"] for group in result.info["initial_values"]][::2] == [1, 1]
+    assert [set(group.units) for group in result.info.initial_values] == [{"first"}, {"p", "q"}, {"last"}]
+    assert [group.sweeps for group in result.info.initial_values][::2] == [1, 1]
     assert result["last.y"][0] == pytest.approx(2.0 * 3.0 / (1.0 - 0.25), rel=1e-11)
 
 
@@ -136,7 +136,7 @@ def test_a_circle_without_an_answer_names_its_signals(gain, offset):
     assert result.outcome == "failed"
     for part in ("g0", "g1", "did not converge", "y still changes by", "no common equilibrium, or many"):
         assert part in result.message
-    assert result.info["initial_values"][-1]["residual"] > 1e-9
+    assert result.info.initial_values[-1].residual > 1e-9
 
 
 class Head(Linear):

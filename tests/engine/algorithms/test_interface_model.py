@@ -295,7 +295,7 @@ def test_errors_of_a_stiff_impact(damping):
         ]
         exact = exact_impact(damping, results[0].time.size)
         held, led, jacobi = (np.linalg.norm(r["touch.force"] - exact) / np.linalg.norm(exact) for r in results)
-        assert {n: r["steps"] for n, r in results[0].info["counters"]["units"].items()} == dict.fromkeys(
+        assert {n: r["steps"] for n, r in results[0].info.counters.units.items()} == dict.fromkeys(
             ("a", "b", "touch"), round(0.02 / step)
         )
         errors[step], explicit[step] = held, jacobi

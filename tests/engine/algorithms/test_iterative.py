@@ -67,7 +67,7 @@ def interface_of(monkeypatch):
 
 
 def counters(result):
-    return result.info["counters"]
+    return result.info.counters
 
 
 def test_only_circles_are_repeated():
@@ -92,7 +92,7 @@ def test_only_circles_are_repeated():
     scene = {"stop_time": 1.0, "units": units, "connections": connections, "master": {"algorithm": "iterative", "step": 0.01}}
     result = run(read_scene(scene))
     assert result.outcome == "done"
-    work, master = counters(result)["units"], counters(result)["master"]
+    work, master = counters(result).units, counters(result).master
     assert [work[name]["steps"] for name in ("source", "listener", "idle")] == [100, 100, 100]
     assert work["a"]["steps"] == work["f1"]["steps"] > 100
     assert work["b"]["steps"] == work["f2"]["steps"] > 100
@@ -143,10 +143,10 @@ def test_what_does_not_settle_is_counted_where_the_scene_allows_it():
     iteration = {"max_iterations": 2, "not_converged": "warn"}
     result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     assert result.outcome == "done"
-    found = counters(result)["master"]
+    found = counters(result).master
     assert 0 < found["unconverged_steps"] <= 100
     assert found["worst_miss"] > 1e-8
-    (warning,) = result.info["warnings"]
+    (warning,) = result.info.warnings
     assert f"{found['unconverged_steps']} of 100 steps did not converge in 2 iterations" in warning
 
 
@@ -188,7 +188,7 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(tmp_path):
     for name, column in whole.columns.items():
         assert rest[name].tobytes() == column.tobytes()
     for key in ("steps", "unconverged_steps", "worst_miss"):
-        assert counters(rest)["master"][key] == counters(whole)["master"][key]
+        assert counters(rest).master[key] == counters(whole).master[key]
 
 
 def test_tolerance_is_kept_and_costs_iterations():
@@ -198,7 +198,7 @@ def test_tolerance_is_kept_and_costs_iterations():
         iteration = {"tolerance": tolerance, "max_iterations": 50}
         result = run(read_scene(LIM.scene("DD", 4e-2, algorithm="iterative", iteration=iteration)))
         errors.append(np.array([result[f"{u}.{n}"][-1] for u, n in STATES]))
-        work.append(counters(result)["master"]["iterations"])
+        work.append(counters(result).master["iterations"])
     assert work[0] < work[1] < work[2]
     assert np.abs(errors[1] - errors[2]).max() < 100 * 1e-6 * 100.0  # a hundred steps of signals of size 100
 

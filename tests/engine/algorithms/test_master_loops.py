@@ -119,7 +119,7 @@ def test_stale_is_stable_and_unstable_as_published():
 
 def test_a_linear_loop_costs_one_jacobian_and_two_evaluations_an_instant():
     result = run(read_scene(pair(-0.9, 1e-3)))
-    (loop,) = result.info["counters"]["master"]["algebraic_loops"].values()
+    (loop,) = result.info.counters.master["algebraic_loops"].values()
     assert loop["points"] == 1001
     assert loop["jacobians"] == 1
     # two columns of the Jacobian; a first correction with differences may leave 1e-7, which needs a second one
@@ -146,7 +146,7 @@ def test_a_nonlinear_loop_with_a_chain_behind_it_holds_at_every_instant():
     np.testing.assert_allclose(y, wave + 3.0 * np.tanh(z), atol=1e-9)
     np.testing.assert_allclose(z, wave - 2.0 * np.tanh(y), atol=1e-9)
     np.testing.assert_allclose(result["after.y_out"], 3.0 * y, rtol=1e-12, atol=1e-12)
-    (loop,) = result.info["counters"]["master"]["algebraic_loops"].values()
+    (loop,) = result.info.counters.master["algebraic_loops"].values()
     assert 1 < loop["jacobians"] < loop["points"]  # taken anew, but not at every instant
 
 
@@ -292,7 +292,7 @@ def test_loops_of_fmus_with_and_without_derivatives(flag):
     outputs = np.linalg.inv([[1.0, -d[0]], [-d[1], 1.0]])
     exact = outputs @ expm((-np.eye(2) + outputs[::-1]) * stop) @ np.ones(2)
     np.testing.assert_allclose([result[f"{name}.y[1]"][-1] for name in "pq"], exact, rtol=1e-5)
-    (loop,) = result.info["counters"]["master"]["algebraic_loops"].values()
+    (loop,) = result.info.counters.master["algebraic_loops"].values()
     assert loop["jacobians"] == 1
     # with its own derivatives a linear loop is solved by one correction, and found so by the look behind it
     assert loop["evaluations"] <= 2 * loop["points"] + (0 if flag else 12)
@@ -315,6 +315,6 @@ def test_a_run_with_a_loop_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path):
     whole = run(scene)
     run(scene, checkpoint_every=0.43, checkpoint_to=tmp_path / "file")
     resumed = run(scene, resume=tmp_path / "file")
-    assert resumed.info["resumed"]["at"] == pytest.approx(0.86)
+    assert resumed.info.resumed.at == pytest.approx(0.86)
     for name in whole.columns:
         assert resumed[name].tobytes() == whole[name].tobytes()

@@ -111,8 +111,8 @@ def test_it_steps_when_the_others_are_there_and_holds_its_outputs_until_then(alg
     x = result["b.x_out"]
     assert len(set(x[0:4])) == len(set(x[4:8])) == len(set(x[8:10])) == 1
     assert len(set(x)) == 4
-    assert result.info["counters"]["units"]["b"]["steps"] == 3
-    assert result.info["counters"]["units"]["a"]["steps"] == 10
+    assert result.info.counters.units["b"]["steps"] == 3
+    assert result.info.counters.units["a"]["steps"] == 10
 
 
 SHIFT = {"signal": "a.force", "kind": "offset", "value": 1.0, "begin": 1.005}
@@ -144,7 +144,7 @@ def test_a_run_goes_on_from_between_two_steps_of_a_slow_unit_to_the_same_bits(al
     whole = run(scene)
     run(scene, checkpoint_every=0.17, checkpoint_to=tmp_path / "file")  # the last one at 0.34 s, after 34 macro steps
     resumed = run(scene, resume=tmp_path / "file")
-    assert resumed.info["resumed"]["at"] == pytest.approx(0.34)
+    assert resumed.info.resumed.at == pytest.approx(0.34)
     for name in whole.columns:
         assert resumed[name].tobytes() == whole[name].tobytes()
 

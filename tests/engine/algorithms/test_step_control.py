@@ -89,7 +89,7 @@ def test_order_of_the_error_over_the_number_of_steps(method, algorithm, degree):
     for tolerance in tolerances:
         result = run(read_scene(controlled(method, tolerance, degree, algorithm)))
         reached = np.array([result[name][-1] for name in STATES])
-        steps.append(result.info["counters"]["master"]["steps"])
+        steps.append(result.info.counters.master["steps"])
         errors.append(np.abs(reached - exact_two_masses(1.0)).max())
     assert -slope(steps, errors) == pytest.approx(degree + 1, abs=0.15 if degree < 2 else 0.5)
 
@@ -112,7 +112,7 @@ def test_steps_follow_a_motion_that_dies_out():
     result = run(read_scene(scene))
     h = np.diff(result.time)
     assert h[-5:-1].min() > 10.0 * np.median(h[result.time[1:] < 1.0])
-    assert result.info["counters"]["stepping"]["longest"] >= h.max() * (1.0 - 1e-9)
+    assert result.info.counters.stepping.longest >= h.max() * (1.0 - 1e-9)
 
 
 @settings(max_examples=25)
@@ -132,9 +132,9 @@ def test_steps_are_multiples_of_the_smallest_within_the_limits_and_end_at_the_en
 
 def test_errors_that_stay_above_the_tolerance_at_the_smallest_step_are_said():
     result = run(read_scene(controlled("doubling", 1e-9, step=0.01, min_step=0.005)))
-    counters = result.info["counters"]["stepping"]
-    assert counters["inaccurate"] == counters["accepted"]
-    assert "errors above what master.control allows, with the smallest step, 0.005 s, too" in result.info["warnings"][0]
+    counters = result.info.counters.stepping
+    assert counters.inaccurate == counters.accepted
+    assert "errors above what master.control allows, with the smallest step, 0.005 s, too" in result.info.warnings[0]
 
 
 def test_a_failed_step_is_repeated_with_shorter_ones():
@@ -142,7 +142,7 @@ def test_a_failed_step_is_repeated_with_shorter_ones():
     scene["units"]["a"] = {"component": f"{__name__}:Brittle", "parameters": {"limit": 1e-3}}
     result = run(read_scene(scene))
     assert result.outcome == "done"
-    assert result.info["counters"]["stepping"]["failed"] > 0
+    assert result.info.counters.stepping.failed > 0
     assert np.diff(result.time).max() <= 1e-3 * (1.0 + 1e-9)
 
 

@@ -54,8 +54,8 @@ def assert_alike(one, other):
         assert one[name].tobytes() == other[name].tobytes(), name
     for name, snapshot in other.snapshots.items():
         assert one.snapshots[name].values.tobytes() == snapshot.values.tobytes()
-    assert one.info["counters"] == other.info["counters"]
-    assert one.info.get("energy") == other.info.get("energy")
+    assert one.info.counters == other.info.counters
+    assert one.info.energy == other.info.energy
 
 
 @pytest.mark.parametrize("rates", [{}, {"a": 2, "b": 5}], ids=str)
@@ -111,7 +111,7 @@ def test_kernels_called_by_address_give_the_same_bits(algorithm, monkeypatch):
     monkeypatch.setattr(Machine, "address", noted)
     together, apart, _ = both_ways(scene, monkeypatch, in_process=True)
     assert_alike(together, apart)
-    assert together.info["energy"]
+    assert together.info.energy
     assert python == []
 
 
@@ -122,7 +122,7 @@ def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(degree, m
     data["master"] |= {"bonds": ["a.v_out * b.force"]}
     together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
-    assert together.info["energy"]
+    assert together.info.energy
 
 
 FMUS = {

@@ -61,7 +61,7 @@ def test_crossings_of_a_relay_are_located_and_the_motion_is_exact(degree):
     step = 0.0717
     result = run(read_scene(relay(step, degree, ["mass.x_out"])))
     resolution = 1e-6 * step
-    assert result.info["counters"]["stepping"]["events"] == 4
+    assert result.info.counters.stepping.events == 4
     for k, crossing in enumerate((2.0, 4.0, 6.0, 8.0), 1):
         # each lies up to a resolution late, and what comes after it twice as much later
         assert -1e-12 < result.time[np.abs(result.time - crossing).argmin()] - crossing < k * k * resolution
@@ -102,19 +102,19 @@ def test_events_and_control_together(method, share):
     """Doubling alone does not see a jump in the first half of a step; predictors do, and go down to the smallest step."""
     control = {"method": method, "relative": 1e-4, "absolute": 1e-4}
     located, blind = (
-        run(read_scene(relay(0.01, 1, events, slope=1.0, stop=7.0, control=control))).info["counters"]["stepping"]
+        run(read_scene(relay(0.01, 1, events, slope=1.0, stop=7.0, control=control))).info.counters.stepping
         for events in (["mass.x_out"], [])
     )
-    assert located["events"] == 4
-    assert located["inaccurate"] == 0
-    assert located["rejected"] < blind["rejected"]
+    assert located.events == 4
+    assert located.inaccurate == 0
+    assert located.rejected < blind.rejected
     assert arcs(0.01, ["mass.x_out"], control=control) < min(1.5e-3, share * arcs(0.01, [], control=control))
 
 
 def test_a_located_crossing_takes_few_trials():
     """Regula falsi on a smooth signal: less than ten steps for six digits, where halving would take twenty."""
-    counters = run(read_scene(relay(0.0717, 1, ["mass.x_out"]))).info["counters"]["stepping"]
-    assert counters["restores"] < 10 * counters["events"]
+    counters = run(read_scene(relay(0.0717, 1, ["mass.x_out"]))).info.counters.stepping
+    assert counters.restores < 10 * counters.events
 
 
 def test_steps_lead_back_to_the_grid_behind_an_event():
@@ -126,7 +126,7 @@ def test_steps_lead_back_to_the_grid_behind_an_event():
 def test_a_signal_that_jumps_is_located_as_well():
     result = run(read_scene(relay(0.0717, 0, ["mass.x_out"], stop=3.0)))
     other = run(read_scene(relay(0.0717, 0, ["relay.force"], stop=3.0)))  # +1, -1: a jump
-    assert other.info["counters"]["stepping"]["events"] == 1
+    assert other.info.counters.stepping.events == 1
     near = other.time[np.abs(other.time - 2.0).argmin()]
     assert near == pytest.approx(result.time[np.abs(result.time - 2.0).argmin()], abs=2e-7)
 

@@ -150,7 +150,7 @@ def test_a_lost_unit_stands_still_and_the_others_go_on_with_its_last_outputs(alg
     assert abs(force) > 1.0
     assert (result["s.force"][k:] == force).all()
     np.testing.assert_allclose(result["m.v_out"][k:], result["m.v_out"][k] + force * dt, rtol=0.0, atol=1e-11)
-    counts = result.info["counters"]["units"]
+    counts = result.info.counters.units
     assert counts["m"] != counts["s"]
 
 
@@ -279,7 +279,7 @@ def test_a_run_goes_on_from_a_checkpoint_at_an_edge_and_between_edges(at, tmp_pa
     scene = read_scene({**CLOSED, "stop_time": 1.0, "faults": faults})
     whole = run(scene, checkpoint_every=at, checkpoint_to=tmp_path / "checkpoint")
     resumed = run(scene, resume=tmp_path / "checkpoint")
-    assert (whole.outcome, resumed.outcome, resumed.info["resumed"]["at"]) == ("done", "done", at)
+    assert (whole.outcome, resumed.outcome, resumed.info.resumed.at) == ("done", "done", at)
     for name in whole.columns:
         assert whole[name].tobytes() == resumed[name].tobytes(), name
 

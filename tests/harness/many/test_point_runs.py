@@ -41,7 +41,7 @@ def content(get):
         result = get()
     except BadInput as error:
         return str(error)
-    info = {key: str(value) for key, value in result.info.items() if key != "timing"}
+    info = {key: str(value) for key, value in vars(result.info).items() if key != "timing"}
     columns = {name: column.tobytes() for name, column in result.columns.items()}
     return result.outcome, result.message, result.time.tobytes(), columns, info
 

@@ -132,7 +132,7 @@ def test_case_page_shows_standing_margins_settings_and_studies(run, tmp_path):
 def test_texts_are_escaped_everywhere(run, tmp_path):
     evil = "</script><script>alert(1)</script><b>"
     run.scene = run.scene.model_copy(update={"title": evil})
-    run.info["effects"]["pantograph"]["on"] = {"contact_loss": evil}
+    run.info.effects["pantograph"].on["contact_loss"] = evil
     chart = Chart(evil, evil, (Panel(evil, (Series(evil, [0, 1], [0, 1]),), title="t"),), evil)
     case = made_up_case(run, (chart, Grid(evil, (evil,), ((evil,),))), (evil,), title=evil)
     for html in (report.for_run(run, tmp_path, SYSTEMS).read_text(), report.for_cases([case], tmp_path, SYSTEMS).read_text()):

@@ -34,7 +34,9 @@ def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
     for scene in (read_scene(two_masses()), load_scene("lumped-catenary").with_changes({"stop_time": 0.01})):
         whole = run(scene, in_process=True)
         columns = {name: values[:rows] for name, values in whole.columns.items()}
-        partial = replace(whole, time=whole.time[:rows], columns=columns, outcome="failed", message="it broke")
+        partial = replace(
+            whole, time=whole.time[:rows], columns=columns, info=replace(whole.info, outcome="failed", message="it broke")
+        )
         assert "it broke" in page(partial, tmp_path)
 
 
@@ -47,7 +49,7 @@ def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
     html = page(result, tmp_path)
     assert "This run is unstable. The report shows the results up to that point. " in html
     assert "feedthrough" in result.message  # a shorter step fails earlier: it is not what to advise
-    assert "Reduce" not in " ".join([result.message, *result.info["warnings"]])
+    assert "Reduce" not in " ".join([result.message, *result.info.warnings])
     assert "Depth and attitude" in html
 
 

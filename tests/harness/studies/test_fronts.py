@@ -85,7 +85,7 @@ def test_the_repetition_gives_the_errors_of_the_quantities():
     result = run_verified(scene, verify="full", in_process=True, distances=distances)
     fine = scene.with_changes({**SLOW, "mass.substep": 1e-4, "record.interval": 1e-2})
     true = distances(result, run_verified(fine, verify="no", in_process=True))
-    for name, error in result.info["verification"]["quantities"]["steps"].items():
+    for name, error in result.info.verification.quantities["steps"].items():
         assert 0.95 * true[name] < error < 1.6 * true[name], name
 
 

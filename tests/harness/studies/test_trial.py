@@ -34,8 +34,8 @@ def test_rejected_steps_are_macro_steps_too():
     control = {"method": "doubling", "relative": 1e-6, "absolute": 1e-6}
     found = trial(SCENE, {"master.control": control, "master.step": 5e-2}, repeats=1)
     changed = SCENE.with_changes({"master.control": control, "master.step": 5e-2})
-    counts = run(changed, in_process=True).info["counters"]["stepping"]
-    assert found.work["macro_steps"] == counts["accepted"] + counts["rejected"] > counts["accepted"]
+    counts = run(changed, in_process=True).info.counters.stepping
+    assert found.work["macro_steps"] == counts.accepted + counts.rejected > counts.accepted
 
 
 @pytest.mark.parametrize(

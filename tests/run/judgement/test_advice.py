@@ -188,5 +188,5 @@ def test_a_macro_step_of_millions_of_internal_steps_is_probed_over_a_part_of_it(
 def test_samples_inside_macro_steps_are_warned_of(changes, warns):
     """The controller of `gimbal-scan` samples every 2 ms."""
     scene = load_scene("gimbal-scan", {"stop_time": 0.012, "analysis.transient": 0.0, **changes})
-    texts = [text for text in run(scene, in_process=True).info["warnings"] if "samples every" in text]
+    texts = [text for text in run(scene, in_process=True).info.warnings if "samples every" in text]
     assert (len(texts) == 1 and texts[0].startswith("controller samples every 0.00")) if warns else not texts

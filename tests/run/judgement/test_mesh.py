@@ -81,13 +81,13 @@ def cache(tmp_path, monkeypatch):
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
 def test_the_error_is_never_below_the_true_one_and_at_low_orders_near_it(component, parameters, name, order):
     run = cosimo.run(scene(component, order=order, **parameters))
-    found = run.info["verification"]
+    found = run.info.verification
     h = parameters.get("element", 0.1) if component == "ByLength" else 1.0 / parameters.get("segments", 10)
     true = h**order / (1.0 + h**order)
-    assert found["mesh"]["places"] == [name]
-    assert found["signals"]["a.exact"]["rms"] < 1e-12
-    assert 0.99 * true < found["signals"]["a.value"]["rms"] < (1.3 if order <= 1.0 else 20.0) * true
-    assert any(name in text for text in run.info["warnings"]) == (found["signals"]["a.value"]["rms"] > 0.05)
+    assert found.mesh.places == (name,)
+    assert found.signals["a.exact"].rms < 1e-12
+    assert 0.99 * true < found.signals["a.value"].rms < (1.3 if order <= 1.0 else 20.0) * true
+    assert any(name in text for text in run.info.warnings) == (found.signals["a.value"].rms > 0.05)
 
 
 def test_a_second_run_of_a_scene_pays_nothing_and_a_changed_or_damaged_one_is_measured_anew(cache, monkeypatch):
@@ -97,20 +97,20 @@ def test_a_second_run_of_a_scene_pays_nothing_and_a_changed_or_damaged_one_is_me
 
     def made(**parameters):
         runs.clear()
-        found = cosimo.run(scene(**parameters), in_process=True).info["verification"]
-        return len(runs), found["signals"], found["mesh"]["kept"]
+        found = cosimo.run(scene(**parameters), in_process=True).info.verification
+        return len(runs), found.signals, found.mesh.kept
 
     first, second, third = made(), made(), made(element=0.2)
     assert first[1] == second[1] != third[1]
     assert (first[2], second[2], third[2]) == (False, True, False)
     assert first[0] - second[0] == 2
     other = scene().with_changes({"analysis.transient": 1.0})  # whose figures are others
-    assert not cosimo.run(other, in_process=True).info["verification"]["mesh"]["kept"]
+    assert not cosimo.run(other, in_process=True).info.verification.mesh.kept
     for file in cache.iterdir():
         file.write_bytes(file.read_bytes()[:-1] + b" ")
     assert made() == first
     runs.clear()
-    assert "mesh" not in cosimo.run(scene(), in_process=True, verify="steps").info["verification"]
+    assert not cosimo.run(scene(), in_process=True, verify="steps").info.verification.mesh.places
     assert len(runs) == second[0]
 
 
@@ -124,9 +124,9 @@ def test_a_second_run_of_a_scene_pays_nothing_and_a_changed_or_damaged_one_is_me
 )
 def test_a_mesh_that_is_not_covered_is_named_with_the_reason(component, parameters, why):
     run = cosimo.run(scene(component, **parameters))
-    ((name, said),) = run.info["verification"]["mesh"]["not_covered"].items()
+    ((name, said),) = run.info.verification.mesh.not_covered.items()
     assert why in said
-    for text in (verification_text(run.info["verification"]), str(trust.blocks(run)[0])):
+    for text in (verification_text(run.info.verification), str(trust.blocks(run)[0])):
         assert f"The errors exclude the mesh ({name}): " in text
         assert why in text
 
@@ -134,13 +134,13 @@ def test_a_mesh_that_is_not_covered_is_named_with_the_reason(component, paramete
 def test_what_no_repetition_covers_is_named(monkeypatch):
     with_chance = scene().with_changes({"units.a.effects": ["chance"]})
     run = cosimo.run(with_chance)
-    said = verification_text(run.info["verification"])
+    said = verification_text(run.info.verification)
     assert "the number of random parts, of which each number has others (a.chance.parts)" in said
     assert "a seed (a.chance.seed)" in said
     assert re.search(r"The errors include the mesh \(.+\), estimated with half as many elements: .+ % of ", said)
     assert "modelling errors" in said
-    json.dumps(run.info["verification"])
+    json.dumps(run.info.to_json())
     monkeypatch.setattr(work, "BUDGET", 0.0)
     monkeypatch.setattr(verification, "_over_windows", lambda _: pytest.fail("no windows"))
-    long = verification.verified_result(run, "whole", in_process=True).info["verification"]
-    assert long["mesh"]["places"] == ["a.element"]
+    long = verification.verified_result(run, "whole", in_process=True).info.verification
+    assert long.mesh.places == ("a.element",)

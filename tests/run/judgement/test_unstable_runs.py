@@ -113,7 +113,7 @@ def test_runs_follow_the_map_and_are_judged_by_it(algorithm, damping, degree):
     longest = limit(damping, degree, solved)
     decays = cosimo.run(scene(algorithm, degree, damping, 0.98 * longest, 12), in_process=True)
     assert decays.outcome == "done", decays.message
-    assert decays.info["warnings"]
+    assert decays.info.warnings
     exact = motion(0.98 * longest, damping, degree, solved, 12)
     assert decays["mass.base_x"] == pytest.approx(exact["x"], abs=1e-9)
     assert decays["mass.base_velocity_x"] == pytest.approx(exact["v"], abs=1e-8)
@@ -140,7 +140,7 @@ def test_runs_of_any_length_are_judged_by_the_map(algorithm, damping, degree, sh
         elif growth**steps >= BEYOND:
             assert result.outcome == "unstable", where
         else:
-            assert result.outcome == "unstable" or result.info["warnings"], where
+            assert result.outcome == "unstable" or result.info.warnings, where
 
 
 @pytest.mark.parametrize("steps", [4, 6, 10, 19, 40])
@@ -153,6 +153,6 @@ def test_growth_beyond_bounds_is_seen_without_a_repetition(steps):
 
 def test_without_a_repetition_a_run_warns_that_it_is_not_verified():
     short = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.005, 40), in_process=True, verify="no")
-    assert short.info["warnings"] == ["not verified, as requested: the errors of the results are not known"]
+    assert short.info.warnings == ["not verified, as requested: the errors of the results are not known"]
     lost = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.11, 100), in_process=True, verify="no")  # decays, but nothing is foretold
-    assert "extrapolation misses mass.base_force_x by" in lost.info["warnings"][-1]
+    assert "extrapolation misses mass.base_force_x by" in lost.info.warnings[-1]

@@ -21,6 +21,7 @@ from cosimo.orchestrator.run.comparison import (
 )
 from cosimo.orchestrator.run.figures import Figures
 from cosimo.orchestrator.run.run import run as run_once
+from cosimo.orchestrator.run.run_record import VerificationRecord
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import OfTime, exact_two_masses, two_masses
 
@@ -43,10 +44,10 @@ def test_the_error_of_every_signal_is_at_least_half_of_the_true_one(algorithm, d
     truth = exact(result.time)
     for k, name in enumerate(("a.x_out", "a.v_out")):
         true = float(np.sqrt(np.mean((result[name] - truth[:, k]) ** 2)) / truth[:, k].std())
-        said = result.info["verification"]["signals"][name]["rms"]
+        said = result.info.verification.signals[name].rms
         assert said > HALF * true
         assert said < 4.0 * true + 1e-6
-        warned = any("macro step is too long" in w for w in result.info["warnings"])
+        warned = any("macro step is too long" in w for w in result.info.warnings)
         assert warned or true < 0.05 * TWICE
 
 
@@ -118,7 +119,7 @@ def test_flags_differ_by_their_share_of_the_time():
 def test_a_run_that_is_not_verified_says_so():
     scene = read_scene(two_masses("jacobi", 1e-2, 1))
     result = cosimo.run(scene, in_process=True, verify="no")
-    assert result.info["verification"] == {"done": False, "why": "not asked for"}
+    assert result.info.verification == VerificationRecord(done=False, why="not asked for")
     with pytest.raises(BadInput, match="auto, whole, full, steps, no"):
         cosimo.run(scene, in_process=True, verify="maybe")
 
@@ -128,7 +129,7 @@ def test_a_verified_run_takes_twice_the_steps_more(monkeypatch):
 
     def counted(scene, **options):
         result = run_once(scene, **options)
-        steps.append(result.info["counters"]["master"]["steps"])
+        steps.append(result.info.counters.master["steps"])
         return result
 
     monkeypatch.setattr(verification, "run_once", counted)
@@ -151,14 +152,14 @@ def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
             "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0},
         }
     )
-    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
+    whole = cosimo.run(scene, in_process=True, verify="whole").info.verification
     monkeypatch.setattr(work, "BUDGET", 0.0)
-    some = cosimo.run(scene, in_process=True).info["verification"]
-    assert (whole["how"], some["how"]) == ("whole", "windows")
-    assert some["figures"] == {}
-    assert some["windows"]["growing"] == []
-    factor = 3.0 if whole["signals"]["m.x_out"]["rms"] > 0.06 else 2.0  # two runs only
-    assert some["signals"]["m.x_out"]["rms"] == pytest.approx(whole["signals"]["m.x_out"]["rms"], rel=0.1 + factor - 2.0)
+    some = cosimo.run(scene, in_process=True).info.verification
+    assert (whole.how, some.how) == ("whole", "windows")
+    assert some.figures == {}
+    assert some.windows.growing == ()
+    factor = 3.0 if whole.signals["m.x_out"].rms > 0.06 else 2.0  # two runs only
+    assert some.signals["m.x_out"].rms == pytest.approx(whole.signals["m.x_out"].rms, rel=0.1 + factor - 2.0)
 
 
 def test_windows_show_the_error_of_internal_steps(monkeypatch):
@@ -170,12 +171,12 @@ def test_windows_show_the_error_of_internal_steps(monkeypatch):
         "record.signals": ["lugre.friction_force"],
     }
     scene = load_scene("pipe-robot-climb").with_changes(changes)
-    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
+    whole = cosimo.run(scene, in_process=True, verify="whole").info.verification
     monkeypatch.setattr(work, "BUDGET", 0.0)
-    some = cosimo.run(scene, in_process=True).info["verification"]
-    assert (whole["how"], some["how"]) == ("whole", "windows")
-    assert some["inside"] == whole["inside"] != {}
-    stated, true = (v["signals"]["lugre.friction_force"]["rms"] for v in (some, whole))
+    some = cosimo.run(scene, in_process=True).info.verification
+    assert (whole.how, some.how) == ("whole", "windows")
+    assert some.inside == whole.inside != {}
+    stated, true = (v.signals["lugre.friction_force"].rms for v in (some, whole))
     assert true > 1e-3
     assert 0.4 * true < stated < 3.0 * true
 
@@ -206,13 +207,13 @@ def test_windows_lie_where_the_signals_bend(event, monkeypatch):
             "master": {"algorithm": "jacobi", "step": 4e-3, "extrapolation": 0},
         }
     )
-    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]["signals"]["m.x_out"]
+    whole = cosimo.run(scene, in_process=True, verify="whole").info.verification.signals["m.x_out"]
     monkeypatch.setattr(work, "BUDGET", 0.0)
-    some = cosimo.run(scene, in_process=True).info["verification"]
-    assert some["how"] == "windows"
-    assert any(t <= begin <= t + some["windows"]["length"] for t in some["windows"]["begins"])
-    assert some["windows"]["growing"] == []
-    assert 0.5 * whole["rms"] < some["signals"]["m.x_out"]["rms"] < 2.0 * whole["rms"]
+    some = cosimo.run(scene, in_process=True).info.verification
+    assert some.how == "windows"
+    assert any(t <= begin <= t + some.windows.length for t in some.windows.begins)
+    assert some.windows.growing == ()
+    assert 0.5 * whole.rms < some.signals["m.x_out"].rms < 2.0 * whole.rms
 
 
 class Knocked(OfTime):
@@ -241,15 +242,15 @@ def test_a_run_too_long_to_repeat_names_what_keeps_windows_out(monkeypatch):
     scene = read_scene({**two_masses("jacobi", 1e-2, 1), "faults": [{"kind": "freeze", "signal": "b.force", "begin": 0.5}]})
     assert windows.obstacle(scene) == "faults"
     monkeypatch.setattr(work, "BUDGET", 0.0)
-    found = cosimo.run(scene, in_process=True).info["verification"]
-    assert not found["done"]
-    assert "windows of it cannot be repeated with faults" in found["why"]
+    found = cosimo.run(scene, in_process=True).info.verification
+    assert not found.done
+    assert "windows of it cannot be repeated with faults" in found.why
 
 
 @pytest.mark.full
 def test_a_chaotic_motion_says_that_its_histories_are_one_of_many():
     result = cosimo.run(load_scene("ball-bearing-clearance"), in_process=True)
-    assert any("chaotic" in warning for warning in result.info["warnings"])
+    assert any("chaotic" in warning for warning in result.info.warnings)
     assert result.outcome == "done"
 
 
@@ -270,21 +271,21 @@ def test_the_error_of_internal_steps_is_in_the_number(substep):
     scene = load_scene("double-pendulum").with_changes(changes)
     rough = cosimo.run(scene, in_process=True)
     fine = run_once(scene.with_changes({"chain.substep": 1e-4}), in_process=True)
-    for name, error in rough.info["verification"]["signals"].items():
+    for name, error in rough.info.verification.signals.items():
         true = np.sqrt(np.mean((rough[name] - fine[name]) ** 2)) / scale_of(fine[name])
-        assert error["rms"] > HALF * true - 1e-9, name
-        assert error["rms"] < 4.0 * true + 1e-6, name
-    assert rough.info["verification"]["inside"] == {"chain.substep": substep}
+        assert error.rms > HALF * true - 1e-9, name
+        assert error.rms < 4.0 * true + 1e-6, name
+    assert rough.info.verification.inside == {"chain.substep": substep}
 
 
 def test_a_warning_names_the_steps_that_make_the_error():
     scene = load_scene("double-pendulum").with_changes({"stop_time": 8.0, "master.step": 0.04, "chain.substep": 1e-2})
-    text, *_ = cosimo.run(scene, in_process=True).info["warnings"]
+    text, *_ = cosimo.run(scene, in_process=True).info.warnings
     assert text.startswith("the internal steps (chain.substep) are too long for")
     assert "chain.substep = " in text
     assert "master.step" not in text
     held = load_scene("en50318-2002").with_changes({"stop_time": 1.0, "master.extrapolation": 0})
-    (text, *_) = cosimo.run(held, in_process=True).info["warnings"]
+    (text, *_) = cosimo.run(held, in_process=True).info.warnings
     assert text.startswith("the macro step is too long for")
     assert "substep" not in text
 
@@ -292,7 +293,7 @@ def test_a_warning_names_the_steps_that_make_the_error():
 def test_chaos_is_told_from_a_drifting_phase():
     """The double pendulum has parted after a twentieth of the run; an oscillator of a wrong frequency drifts apart as the step has it."""
     chaos = cosimo.run(load_scene("double-pendulum").with_changes({"stop_time": 300.0}), in_process=True)
-    assert chaos.info["warnings"][0].startswith("the motion is chaotic")
+    assert chaos.info.warnings[0].startswith("the motion is chaotic")
     t = np.linspace(0.0, 400.0, 20_001)
     runs = [np.sin((1.0 + 0.32 * h) * t) for h in (1.0, 0.5, 0.25)]
     drift = signal_errors({"x": difference(runs[0], runs[1])}, {"x": difference(runs[1], runs[2])})["x"]
@@ -337,7 +338,7 @@ def refined_scene(**parameters):
 
 
 def test_each_warning_names_the_steps_that_make_its_own_error():
-    warnings = cosimo.run(refined_scene(), verify="whole").info["warnings"]
+    warnings = cosimo.run(refined_scene(), verify="whole").info.warnings
     assert sorted(text.partition(". ")[0] for text in warnings) == [
         "the internal steps (inner.substep) are too long for inner.value",
         "the macro step is too long for late.value",
@@ -347,20 +348,20 @@ def test_each_warning_names_the_steps_that_make_its_own_error():
 
 def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
     """Tolerance at its lower limit, below which the scene refuses it."""
-    plain = cosimo.run(refined_scene(), verify="whole").info["verification"]
+    plain = cosimo.run(refined_scene(), verify="whole").info.verification
     both = cosimo.run(refined_scene(), verify="full")
-    found = both.info["verification"]
-    assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
-    assert list(found["not_refined"]) == ["inner.tolerance"]
-    assert "tolerance = 1e-07, expected a value in [5e-07, inf]" in found["not_refined"]["inner.tolerance"]
+    found = both.info.verification
+    assert (found.done, found.signals, found.parts) == (True, plain.signals, {})
+    assert list(found.not_refined) == ["inner.tolerance"]
+    assert "tolerance = 1e-07, expected a value in [5e-07, inf]" in found.not_refined["inner.tolerance"]
     assert "exclude the error due to inner.tolerance" in verification_text(found)
-    assert sum("could not be refined" in text for text in both.info["warnings"]) == 1
+    assert sum("could not be refined" in text for text in both.info.warnings) == 1
 
 
 def test_components_that_run_as_fmus_are_repeated_in_process():
     scene = load_scene("en50318-2002").with_changes({"stop_time": 0.3})
-    here, fmu = (cosimo.run(scene, in_process=in_process).info["verification"] for in_process in (True, False))
-    assert here["signals"] == fmu["signals"]
+    here, fmu = (cosimo.run(scene, in_process=in_process).info.verification for in_process in (True, False))
+    assert here.signals == fmu.signals
 
 
 @pytest.mark.parametrize(
@@ -375,7 +376,7 @@ def test_components_that_run_as_fmus_are_repeated_in_process():
 def test_rows_too_far_apart_to_show_a_signal_are_a_warning(changes, remedy):
     """An oscillation of 0.6 s: rows half a second apart miss its extremes, whatever the step; what stands still is shown."""
     result = cosimo.run(load_scene("mass-on-spring").with_changes(changes), in_process=True)
-    said = [w for w in result.info["warnings"] if "samples are too far apart" in w]
+    said = [w for w in result.info.warnings if "samples are too far apart" in w]
     assert bool(said) == bool(remedy)
     assert all(remedy in w for w in said)
-    assert bool(result.info["verification"].get("unseen")) == bool(remedy)
+    assert bool(result.info.verification.unseen) == bool(remedy)

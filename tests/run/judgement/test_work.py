@@ -39,7 +39,7 @@ def _times(clock, factor):
 
 def answer(scene):
     """What was repeated of a run, a dry run, a case and a sweep."""
-    run = cosimo.run(scene, in_process=True).info["verification"]
+    run = cosimo.run(scene, in_process=True).info.verification
     advice = advise(scene, in_process=True)
     kinds = [line.partition(" half")[0] for line in lines(scene, scene.coupling, advice, in_process=True)]
 
@@ -50,12 +50,12 @@ def answer(scene):
     case = find(Case("c", "A case", "It shows.", (Question(measured, in_process=True),)), Options())
     points = sweep(scene, {"vary": {"a.k": [1.0, 2.0, 3.0, 4.0, 5.0]}}).repeated
     first = "not run" in first_part(scene, advice)[0]
-    return run.get("how"), run.get("runs"), run.get("why"), kinds[-1], case.unverified, points.points, first
+    return run.how, run.runs, run.why, kinds[-1], case.unverified, points.points, first
 
 
 @pytest.mark.parametrize(("allowed", "how"), [(0.9, ("windows", 2)), (5.0, ("whole", 2)), (9.0, ("whole", 3))])
 def test_no_clock_changes_what_is_repeated(allowed, how, monkeypatch):
-    counted = run_once(SCENE, in_process=True).info["counters"]["work"]
+    counted = run_once(SCENE, in_process=True).info.counters.work
     monkeypatch.setattr(work, "BUDGET", allowed * counted)
     as_it_is = answer(SCENE)
     assert as_it_is[:2] == how
@@ -71,7 +71,7 @@ def test_no_clock_changes_what_is_repeated(allowed, how, monkeypatch):
 def test_the_work_of_the_first_part_tells_that_of_the_whole(name):
     """So a run of FMUs, which count nothing, is repeated as one in process is."""
     scene = load_scene(name)
-    counted = run_once(scene, in_process=True).info["counters"]["work"]
+    counted = run_once(scene, in_process=True).info.counters.work
     assert verification.work_of(scene, None) == pytest.approx(counted, rel=0.02)
     assert advise(scene, in_process=True).work * scene.duration / scene.master.step == pytest.approx(counted, rel=0.1)
 
@@ -79,14 +79,14 @@ def test_the_work_of_the_first_part_tells_that_of_the_whole(name):
 def test_fmus_count_no_work_of_their_own():
     scene = load_scene("lumped-catenary").with_changes({"stop_time": 0.1})
     made = cosimo.run(scene)
-    assert "work" not in made.info["counters"]
-    assert made.info["verification"]["how"] == "whole"
+    assert made.info.counters.work is None
+    assert made.info.verification.how == "whole"
 
 
 def test_a_resumed_run_counts_as_the_whole(tmp_path):
     options = {"in_process": True, "checkpoint_every": 0.5, "checkpoint_to": tmp_path / "checkpoint"}
-    whole = run_once(SCENE, **options).info["counters"]["work"]
-    rest = run_once(SCENE, in_process=True, resume=tmp_path / "checkpoint").info["counters"]["work"]
+    whole = run_once(SCENE, **options).info.counters.work
+    rest = run_once(SCENE, in_process=True, resume=tmp_path / "checkpoint").info.counters.work
     assert rest == pytest.approx(whole, rel=0.02)
 
 

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import read_scene
 
 SPEED = 188.49555921538757  # rad/s, 30 Hz
@@ -13,7 +14,14 @@ JIS_6306 = {"outer": 92.5385, "inner": 147.4615}  # Hz at 30 Hz: 4 * 30 (1 -+ 11
 def _result(scene, time, columns, measures):
     settled = read_scene(scene)
     return SimpleNamespace(
-        scene=settled, time=time, columns=columns, measures=measures, snapshots={}, outcome="done", message="", info={}
+        scene=settled,
+        time=time,
+        columns=columns,
+        measures=measures,
+        snapshots={},
+        outcome="done",
+        message="",
+        info=RunRecord(outcome="done"),
     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 from cosimo.orchestrator.run.results import Result
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import read_scene
 
 STEP, AT, RATE, TURN = 0.02, 0.1, 25.0, 0.4  # m and s of the step, 1/s of the answer, rad of the ramp
@@ -47,4 +48,4 @@ def drive_run(analysis=None, law=("exact_slip",), controller=True, starts=0, ove
         links = [k for k in LINKS if "controller" not in k]
     scene = {"stop_time": float(t[-1]), "master": {"step": 1e-3}, "units": units, "connections": links,
              "analysis": {"system": "friction_drive", **(analysis or {})}}  # fmt: skip
-    return Result(read_scene(scene), t, columns, {}, dict.fromkeys(columns, "1"), {}, "done", "")
+    return Result(read_scene(scene), t, columns, {}, dict.fromkeys(columns, "1"), RunRecord(outcome="done"))

@@ -49,9 +49,9 @@ def test_energy_is_passed_on_and_lost_and_not_made(step):
     found = energies(drives(step)[0])
     assert found["motors"] > found["wheels"] > found["contacts"] + found["sleeve"] > 0.0
     finer = run(step.scene.with_changes({"master.step": 0.5 * step.scene.master.step}), in_process=True)
-    for name, bond in step.info["energy"].items():  # extrapolated linearly: what the coupling makes falls at least with the step
-        assert abs(bond["created"]) < 3e-3 * bond["exchanged"]
-        assert abs(finer.info["energy"][name]["created"]) < 0.5 * abs(bond["created"])
+    for name, bond in step.info.energy.items():  # extrapolated linearly: what the coupling makes falls at least with the step
+        assert abs(bond.created) < 3e-3 * bond.exchanged
+        assert abs(finer.info.energy[name].created) < 0.5 * abs(bond.created)
     weight = 0.15 * 9.81 * np.sin(0.5) * 0.02
     assert found["sleeve"] == pytest.approx(weight, abs=2e-3)  # and what contacts and seal hold by their deflection
 

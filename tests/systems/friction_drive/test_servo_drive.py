@@ -158,9 +158,9 @@ def test_geared_motors_bear_stiff_contacts_at_a_millisecond():
     """The gear makes the rotors heavy, 3.6 kg at the rim, beside the sleeve's 0.15 kg: what is stiff stays within a unit."""
     coarse, fine = coupled(1e-3, (6.0, -3.0), -4.0), coupled(2.5e-4, (6.0, -3.0), -4.0)
     for result in (coarse, fine):
-        assert not result.info.get("warnings")
-        for bond in result.info["energy"].values():
-            assert abs(bond["created"]) < 2e-3 * bond["exchanged"]
+        assert not result.info.warnings
+        for bond in result.info.energy.values():
+            assert abs(bond.created) < 2e-3 * bond.exchanged
     assert coarse["wheels.feed_rate"][-1] == pytest.approx(fine["wheels.feed_rate"][-1], rel=1e-6)
 
 
@@ -171,6 +171,6 @@ def test_motors_without_a_gear_need_shorter_macro_steps_and_the_run_says_so():
     judged = verified_result(coarse, in_process=True)
     assert judged.message.startswith("the coupling is unstable")
     assert "master.step = " in judged.message
-    assert not fine.info.get("warnings")
-    for bond in fine.info["energy"].values():
-        assert abs(bond["created"]) < 1e-3 * bond["exchanged"]
+    assert not fine.info.warnings
+    for bond in fine.info.energy.values():
+        assert abs(bond.created) < 1e-3 * bond.exchanged

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.pipe_robot.figures import ways
 from cosimo.orchestrator.systems.pipe_robot.records import (
@@ -45,7 +46,7 @@ def run_of(columns, exciter="harmonic_force", analysis=None):
              "analysis": {"system": "pipe_robot", **(analysis or {})}}  # fmt: skip
     named = {f"{u}.{n}": v for u, own in columns.items() for n, v in own.items()}
     return SimpleNamespace(scene=read_scene(scene), time=T, columns=named, measures=dict.fromkeys(named, "1"),
-                           snapshots={}, outcome="done", message="", info={})  # fmt: skip
+                           snapshots={}, outcome="done", message="", info=RunRecord(outcome="done"))  # fmt: skip
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit():

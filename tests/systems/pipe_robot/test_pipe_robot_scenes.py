@@ -64,8 +64,8 @@ def test_the_weak_motor_is_caught_and_the_strong_one_passes():
     assert passing.mean() > 2.0 * 77.46
     period = 2.0 * math.pi / caught.mean()
     assert late_speed(result, "caught", 8.0, period) > 5.0 * late_speed(result, "passing", 8.0, period) > 0.0
-    for bond in result.info["energy"].values():
-        assert abs(bond["created"]) < 1e-3 * bond["exchanged"]
+    for bond in result.info.energy.values():
+        assert abs(bond.created) < 1e-3 * bond.exchanged
 
 
 def test_a_rope_only_pulls_and_both_robots_come_along():
@@ -77,5 +77,5 @@ def test_a_rope_only_pulls_and_both_robots_come_along():
     late = result.time > 4.0
     speeds = [np.ptp(result[f"{n}.position"][late]) / np.ptp(result.time[late]) for n in ("front", "rear")]
     assert speeds[0] == pytest.approx(speeds[1], rel=0.02)  # the distance beats by some mm over 1.6 m
-    for bond in result.info["energy"].values():
-        assert abs(bond["created"]) < 0.01 * bond["exchanged"]
+    for bond in result.info.energy.values():
+        assert abs(bond.created) < 0.01 * bond.exchanged

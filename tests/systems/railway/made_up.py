@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.run.run_record import EffectsRecord, RunRecord, UnitRecord
 from cosimo.orchestrator.systems import read_scene
 
 PLACES = [5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0]
@@ -53,11 +54,12 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
         message="",
         measures=dict.fromkeys(columns, "N"),
         snapshots={"catenary.wire_profile.height": SimpleNamespace(time=t[every], values=heights)},
-        info={
-            "effects": {"pantograph": {"on": {"contact_loss": "the scene"}, "off": {"bump_stops": "not named"}}},
-            "units": {"catenary": {"parameters": {"span_length": 60.0, "first_watched_support": 4} | DROPPERS}},
-            "versions": {"numpy": "2.0"},
-        },
+        info=RunRecord(
+            outcome="done",
+            effects={"pantograph": EffectsRecord(on={"contact_loss": "the scene"}, off={"bump_stops": "not named"})},
+            units={"catenary": UnitRecord(parameters={"span_length": 60.0, "first_watched_support": 4} | DROPPERS)},
+            versions={"numpy": "2.0"},
+        ),
     )
 
 

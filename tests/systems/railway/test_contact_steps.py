@@ -33,11 +33,11 @@ def test_a_diverging_contact_is_never_silent(stiffer):
     stiff = {"stop_time": 1.0, "pantograph.contact_stiffness": stiffer * STIFFNESS, "pantograph.substep": 5e-5}
     scene = scene.with_changes(stiff)
     reference = run(scene.with_changes({"master.step": step / 8}), in_process=True)
-    assert not reference.info["warnings"]
+    assert not reference.info.warnings
     silent, diverged = [], 0
     for factor in (1, 2, 5, 10, 20, 50):
         result = verified_run(scene.with_changes({"master.step": factor * step}), in_process=True)
-        warned = bool(result.info["warnings"]) or result.outcome != "done"
+        warned = bool(result.info.warnings) or result.outcome != "done"
         wrong = (
             error(result, reference) > WITHIN
             or lifted(result) > lifted(reference) + LIFTED

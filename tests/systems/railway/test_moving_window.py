@@ -61,7 +61,7 @@ def test_the_chosen_width_keeps_the_force_in_scenes_with_every_effect(name):
     cut = windowed(scene, speed=slowest(scene))
     found, near = error(scene, cut)
     assert found <= ENOUGH
-    assert not [w for w in near.info["warnings"] if "moving_window" in w]
+    assert not [w for w in near.info.warnings if "moving_window" in w]
 
 
 @pytest.mark.full
@@ -81,7 +81,7 @@ def test_the_chosen_width_keeps_the_force_on_a_long_line(speed):
 def test_a_narrow_window_costs_what_it_says_and_says_so():
     scene = load_scene("en50318-2002").with_changes(LONG)
     found, near = error(scene, windowed(scene, ahead=120.0, behind=120.0))
-    (said,) = [w for w in near.info["warnings"] if "moving_window.ahead" in w]
+    (said,) = [w for w in near.info.warnings if "moving_window.ahead" in w]
     assert found > ENOUGH
     assert "0.5 % takes 37" in said
     shown = float(said.split("may cost ")[1].split(" %")[0]) / 100.0

@@ -160,6 +160,6 @@ def test_two_strips_are_judged_together_and_one_by_one():
 def test_effects_that_are_off_leave_no_trace_in_a_result():
     result = finished(reference_scene())
     assert not any("." in name.partition(".")[2] for name in result.columns)
-    assert set(result.info["effects"]["catenary"]["on"]) == set(EFFECTS)
-    assert "moving_window" in result.info["effects"]["catenary"]["off"]
-    assert not any(name.startswith("moving_window") for name in result.info["units"]["catenary"]["parameters"])
+    assert set(result.info.effects["catenary"].on) == set(EFFECTS)
+    assert "moving_window" in result.info.effects["catenary"].off
+    assert not any(name.startswith("moving_window") for name in result.info.units["catenary"].parameters)

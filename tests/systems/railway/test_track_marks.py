@@ -11,7 +11,7 @@ from cosimo.tests.systems.railway.made_up import made_up_run
 
 def changed_run(**values):
     run = made_up_run()
-    run.info["units"]["catenary"]["parameters"].update(values)
+    run.info.units["catenary"].parameters.update(values)
     return run
 
 

@@ -257,7 +257,7 @@ def test_a_rotor_that_only_its_bearings_hold_finds_its_place(clearance, disk):
         ),
         in_process=True,
     )
-    assert result.info["counters"]["master"]["initial_sweeps"] <= 20
+    assert result.info.counters.master["initial_sweeps"] <= 20
     left, right = ([result.columns[f"{side}.force_{axis}"][0] for axis in "xy"] for side in ("left", "right"))
     shaft = 7810.0 * math.pi / 4.0 * 0.03**2 * 0.6 * 9.81
     disk_weight = 8.0 * 9.81

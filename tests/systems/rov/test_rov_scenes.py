@@ -114,12 +114,12 @@ def test_the_manoeuvre_is_followed_along_all_six_axes(moved):
 @pytest.mark.full
 def test_power_through_the_bonds_is_that_of_the_exchange(moved):
     """What the coupling creates at thrusters and tether is a small part of what goes through them."""
-    accounts = moved.info["energy"]
+    accounts = moved.info.energy
     assert len(accounts) == 3
     for bond, account in accounts.items():
-        assert account["exchanged"] > 0.1, bond
-        assert abs(account["created"]) < 0.01 * account["exchanged"], bond
-    assert moved.info["warnings"] == []
+        assert account.exchanged > 0.1, bond
+        assert abs(account.created) < 0.01 * account.exchanged, bond
+    assert not moved.info.warnings
 
 
 @pytest.mark.full

@@ -2,12 +2,13 @@
 
 import numpy as np
 from cosimo.orchestrator.run.results import Result
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import read_scene
 
 
 def _result(scene, time, columns):
     settled = read_scene({"stop_time": float(time[-1]), "master": {"step": float(time[1])}, **scene})
-    return Result(settled, time, columns, {}, dict.fromkeys(columns, "rad"), {}, "done", "")
+    return Result(settled, time, columns, {}, dict.fromkeys(columns, "rad"), RunRecord(outcome="done"))
 
 
 def _columns(unit, names, angles, rates, **more):

@@ -139,6 +139,6 @@ def test_a_command_acts_from_its_sample_on_whatever_the_algorithm():
         for parts in (1, 2):
             result = ran(algorithm, 2e-3 / parts)
             errors.append(np.sqrt(np.mean((result["elbow.electrical_power"] - fine[:: 4 // parts]) ** 2)) / fine.std())
-            for bond in result.info["energy"].values():
-                assert abs(bond["created"]) < 1e-4 * bond["exchanged"]
+            for bond in result.info.energy.values():
+                assert abs(bond.created) < 1e-4 * bond.exchanged
         assert errors[1] < 0.3 * errors[0] < 0.3 * 1e-3

@@ -105,5 +105,5 @@ def test_the_scan_follows_its_set_points():
         largest = np.abs(result[f"controller.{axis}_error"][late]).max()
         assert largest < error + 0.01  # the integral still gives up what the start has left there, within a second
         assert np.abs(result[f"{axis}_motor.current"][late]).max() < 5.0
-    for bond in result.info["energy"].values():
-        assert abs(bond["created"]) < 1e-3 * bond["exchanged"]
+    for bond in result.info.energy.values():
+        assert abs(bond.created) < 1e-3 * bond.exchanged

@@ -34,8 +34,8 @@ def test_in_a_gust_the_ratio_changes_and_the_power_coefficient_stays():
     assert ratio[strong].mean() > 5.0 * ratio[before].mean()
     assert cp[before].mean() > 0.28
     assert cp[strong].mean() > 0.24
-    for energy in result.info["energy"].values():  # what the coupling makes of nothing, J
-        assert abs(energy["created"]) < 1e-3 * energy["exchanged"]
+    for energy in result.info.energy.values():  # what the coupling makes of nothing, J
+        assert abs(energy.created) < 1e-3 * energy.exchanged
     mean = finished(
         full.with_changes(
             {

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import read_scene
 
 STARTS, STOPS, TOP = 3.6, 2.4, 5.0  # m/s
@@ -64,7 +65,7 @@ def run_of(t, wind, running, ripple=0.0, analysis=None):
         "analysis": {"system": "wind_pump", **(analysis or {})},
     }
     return SimpleNamespace(scene=read_scene(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
-                           snapshots={}, outcome="done", message="", info={})  # fmt: skip
+                           snapshots={}, outcome="done", message="", info=RunRecord(outcome="done"))  # fmt: skip
 
 
 def hysteresis_run(analysis=None):

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wrist.records import bundles, direction, follows_rule, linkages, muscles, postures, wrists
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, tables
@@ -41,7 +42,7 @@ def wrist_run(factors=None, analysis=None, prefix=""):
         "analysis": {"system": "wrist", **(analysis or {})},
     })  # fmt: skip
     return SimpleNamespace(scene=scene, time=t, columns=columns, measures=dict.fromkeys(columns, "1"), snapshots={},
-                           outcome="done", message="", info={})  # fmt: skip
+                           outcome="done", message="", info=RunRecord(outcome="done"))  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,8 @@ def test_muscles_move_the_wrist_by_the_rule():
     for there, (flexion, deviation) in zip(held, wanted, strict=True):  # what the levels of the programme were chosen for
         assert (there["flexion"], there["deviation"]) == pytest.approx((flexion, deviation), abs=1.5)
         assert abs(there["roll"]) < 5.0
-    for energy in result.info["energy"].values():
-        assert abs(energy["created"]) < 1e-3 * energy["exchanged"]
+    for energy in result.info.energy.values():
+        assert abs(energy.created) < 1e-3 * energy.exchanged
 
 
 def test_the_torque_that_holds_is_stiffness_and_ligaments():
@@ -60,8 +60,8 @@ def test_a_hand_sinks_under_the_tool_that_goes_out():
     assert result["wheels.feed"][-1] == pytest.approx(0.06, abs=1e-3)
     assert out["flexion"] - before["flexion"] == pytest.approx(np.degrees(1.4715 * 0.06), rel=0.15)  # stiffer by the fibres
     assert abs(back["flexion"]) < 0.3
-    bonds = result.info["energy"].values()
-    assert sum(abs(b["created"]) for b in bonds) < 1e-3 * sum(b["exchanged"] for b in bonds)
+    bonds = result.info.energy.values()
+    assert sum(abs(b.created) for b in bonds) < 1e-3 * sum(b.exchanged for b in bonds)
 
 
 def test_fmus_give_the_same_bits_as_the_components():

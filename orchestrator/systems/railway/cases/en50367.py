@@ -83,7 +83,7 @@ def _measures(result: Result, pantograph: int) -> dict[str, float]:
     s, passage = statistics(result, pantograph=pantograph), passages(result)[pantograph]
     speed = passage.speed / KMH
     catenary, _ = result.scene.split(f"{passage.catenary}.")  # of a second contact point, the effect stands behind the unit
-    wire = result.info["units"][catenary]["parameters"]
+    wire = result.info.units[catenary].parameters
     given = {"contact_wire_tension", "contact_wire_mass"} <= wire.keys()
     ratio = {"speed_ratio": passage.speed / math.sqrt(wire["contact_wire_tension"] / wire["contact_wire_mass"])} if given else {}
     return (
