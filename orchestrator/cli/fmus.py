@@ -186,7 +186,7 @@ def check(
     from ...fmus.build import built
     from ...fmus.check import check as check_fmu
     from ...fmus.check_worker import CHECKS
-    from ..scene.kinds import refuse_other
+    from ..scene.file_kinds import refuse_other
     from ..units.checked import walled_check
 
     if isolate and execute:

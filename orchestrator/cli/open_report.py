@@ -15,7 +15,7 @@ from .common import app
 @app.command("open")
 def open_(where: Annotated[Path, Argument(help="Directory with a report, or the report file.")] = Path()) -> None:
     """Open a report in the browser. Example: cosimo open out"""
-    from ..scene.kinds import refuse_other
+    from ..scene.file_kinds import refuse_other
 
     refuse_other(where, "result", "report", "folder")
     page = where / "report.html" if where.is_dir() else where

@@ -46,7 +46,7 @@ def show(
 ) -> None:
     """Show the parts of a component, a scene or a case. Example: cosimo show Pantograph"""
     from ...components.catalogue import CATALOGUE
-    from ..scene.kinds import kind_of, refuse_other
+    from ..scene.file_kinds import file_kind, refuse_other
     from ..scene.scene import scene_files
     from ..systems import cases
     from ..systems.railway.line import read as read_line
@@ -59,7 +59,7 @@ def show(
     for option, given, possible in (("--preset", presets, component or scene), ("--time", timed, component)):
         if given and not possible:
             raise BadInput("show", f"{option} with {name!r}", "a component", "It would have no effect.")
-    if name.endswith(".toml") and kind_of(Path(name)) == "line":
+    if name.endswith(".toml") and file_kind(Path(name)) == "line":
         if output is not None:
             raise BadInput("show", "-o with the table of a line", "no directory", "cosimo railway has its drawing.")
         show_line(*read_line(Path(name), parameters_of(values)))

@@ -21,7 +21,7 @@ from typing import Any, Protocol
 from ...components.core.errors import BadInput
 from ...fmus.versions import version
 from ..engine.algorithms.master import Master
-from ..engine.stepping.loop import BatchObserver, Stepping
+from ..engine.stepping.loop import BatchObserver, Needs, Stepping
 from ..scene.scene import Scene
 from ..units import Interface
 from ..verified_file import DamagedFile, read_verified, write_verified
@@ -99,10 +99,10 @@ class Checkpoints(BatchObserver):
             self.resumed(t)
             self.write()
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
-        """As in `BatchObserver`."""
+    def needs(self, tick: int, length: int) -> Needs:
+        """See `BatchObserver.needs`."""
         clock = self._loop.clock
-        return max(int((self._due - clock.time(tick)) / clock.seconds(length)) - 1, 0)
+        return Needs(unseen=max(int((self._due - clock.time(tick)) / clock.seconds(length)) - 1, 0))
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
-from ..engine.stepping.loop import BatchObserver
+from ..engine.stepping.loop import FOREVER, Batch, BatchObserver, Needs
 from .run_record import Missed
 from .thresholds import BEYOND, BLOCKS, ENERGY, FEWEST_ROWS, HARDLY, MISSED, NOTHING, OVERSHOT, RISE, UNFOLLOWED
 
@@ -34,7 +34,6 @@ class InstabilityMonitor(BatchObserver):
 
     EVERY = 29  # macro steps: longer runs are looked at after multiples of it
     RARELY = 3  # at most so many of it
-    finds_violations = True
 
     def __init__(self, master: Master, steps: int, account: EnergyAccount | None = None):
         """`steps`: of the whole run, about."""
@@ -69,16 +68,14 @@ class InstabilityMonitor(BatchObserver):
         if (grown := self._take(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
             raise Unstable(grown[1], t, grown[2])
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
-        """As in `BatchObserver`; up to the end of a block, where they are judged."""
-        return LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
+    def needs(self, tick: int, length: int) -> Needs:
+        """See `BatchObserver.needs`: up to the end of a block, where inputs are judged."""
+        to_block = LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
+        return Needs(to_block, range(self._every - 1 - self._calls % self._every, FOREVER, self._every), finds=True)
 
-    def sampled_steps(self, n: int) -> range:
-        """As in `BatchObserver`."""
-        return range(self._every - 1 - self._calls % self._every, n, self._every)
-
-    def first_violation(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
-        """As in `BatchObserver`."""
+    def first_violation(self, batch: Batch) -> int | None:
+        """See `BatchObserver.first_violation`."""
+        at, inputs = batch.at, batch.inputs
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
         grown = self._take(
@@ -92,16 +89,13 @@ class InstabilityMonitor(BatchObserver):
         self._seen = True
         return None
 
-    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
-        """As in `BatchObserver`."""
-        if not self._seen:  # no block ends among them, see `steps_not_needed`
-            mine = (self._calls + at + 1) % self._every == 0
-            self._take(self._sizes(inputs[mine][:, :, self._columns]), at[mine], lambda _: None)
+    def see(self, batch: Batch) -> None:
+        """See `BatchObserver.see`."""
+        if not self._seen:  # no block ends among them, see `needs`
+            mine = (self._calls + batch.at + 1) % self._every == 0
+            self._take(self._sizes(batch.inputs[mine][:, :, self._columns]), batch.at[mine], lambda _: None)
         self._seen = False
-
-    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
-        """As in `BatchObserver`."""
-        self._calls += len(ticks)
+        self._calls += len(batch.ticks)
 
     def _sizes(self, looks: np.ndarray) -> np.ndarray:
         """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""

@@ -13,7 +13,7 @@ from types import TracebackType
 
 import numpy as np
 
-from ..engine.stepping.loop import BatchObserver
+from ..engine.stepping.loop import BatchObserver, Needs
 from .run_record import Pace
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9, 100.0)
@@ -42,9 +42,9 @@ class Pacing(BatchObserver):
         if self._collected:
             gc.enable()
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
-        """As in `BatchObserver`: it needs every step."""
-        return 0
+    def needs(self, tick: int, length: int) -> Needs:
+        """See `BatchObserver.needs`: every step."""
+        return Needs(unseen=0)
 
     def __call__(self, tick: int, t: float) -> None:
         now = perf_counter()

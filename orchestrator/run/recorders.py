@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.coupling import Endpoint
-from ..engine.stepping.loop import FOREVER, BatchObserver
+from ..engine.stepping.loop import Batch, BatchObserver, Needs
 from ..units import Simulator
 from .rows import Rows, joined
 
@@ -71,21 +71,17 @@ class Recorder(BatchObserver):
         """The first tick that is not before the next multiple of the interval."""
         return math.ceil((tick // self._interval + 1) * self._interval)
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
-        """As in `BatchObserver`."""
+    def needs(self, tick: int, length: int) -> Needs:
+        """See `BatchObserver.needs`: what batches have in their rows or outputs is read from there."""
         anywhere = self._of_master or self._columns is not None
-        return FOREVER if anywhere else max(-(-(self._due - tick) // length) - 1, 0)
+        return Needs() if anywhere else Needs(unseen=max(-(-(self._due - tick) // length) - 1, 0))
 
-    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
-        """As in `BatchObserver`."""
-        self._outputs = outputs
-
-    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
-        """As in `BatchObserver`."""
-        if self._columns is not None:
-            rows = self._outputs[:, self._columns]
-        elif not self._of_master:
+    def see(self, batch: Batch) -> None:
+        """See `BatchObserver.see`."""
+        if self._columns is None and not self._of_master:
             return
+        rows = batch.rows if self._columns is None else batch.outputs[:, self._columns]
+        ticks, times = batch.ticks, batch.times
         while (k := max(-(-(self._due - ticks.start) // ticks.step), 0)) < len(ticks):
             due = slice(k, None if self._interval <= ticks.step else k + 1)  # every step, or one
             self._times.frombytes(times[due].tobytes())

@@ -14,7 +14,7 @@ from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import conversion
 from ..output import UNFINISHED, is_locked, locked, not_written
 from ..renamed import OUTPUT
-from ..scene.scene import Models, recorded_scene
+from ..scene.scene import NO_SYSTEMS, KnownSystems, recorded_scene
 from .recording import INFO, RESULT, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
 from .rows import STREAM, TIME, Rows, joined
 from .run_record import RunRecord
@@ -258,17 +258,17 @@ class Result:
         files.finish(info)
 
     @classmethod
-    def read(cls, directory: str | Path, analysis: Models | None = None) -> Result:
+    def read(cls, directory: str | Path, systems: KnownSystems = NO_SYSTEMS) -> Result:
         """The result in a directory; of a run that was killed, what it had written, with the outcome "failed".
 
-        `analysis`: by the name of a system, the model of what [analysis] may say. Raises `BadInput` where there is none.
+        `systems`: those that its [analysis] may name. Raises `BadInput` where there is none.
         """
         path = Path(directory)
         killed = (path / UNFINISHED / INFO).is_file() and not is_locked(path)
         folder = path / UNFINISHED if killed else path
         try:
             info = RunRecord.read(folder / INFO)
-            scene = recorded_scene(info.scene, analysis)
+            scene = recorded_scene(info.scene, systems)
             file = folder / (RESULT + STREAM) if killed else path / TABLE
             rowless = (killed or info.outcome != "done") and not file.exists()  # ended before its first row
             table = Rows.read(file) if not rowless else None

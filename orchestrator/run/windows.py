@@ -21,7 +21,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ..engine.coupling import Endpoint
 from ..engine.stepping.discontinuities import jump_times
-from ..engine.stepping.loop import BatchObserver
+from ..engine.stepping.loop import FOREVER, Batch, BatchObserver, Needs
 from ..opened.open_scene import Course, started
 from ..opened.state import State
 from ..scene.scene import Scene
@@ -109,15 +109,15 @@ class Windows(BatchObserver):
         """The step before the last window."""
         return self._stepping.end // self._stepping.stride - self._steps
 
-    def saved_steps(self, n: int) -> Iterable[int]:
-        """As in `BatchObserver`."""
-        next_step = self._stepping.tick // self._stepping.stride + 1
-        yield from range(-next_step % self._every, n, self._every)
-        yield from (k for k in [self._last - next_step] if 0 <= k < n)
+    def needs(self, tick: int, length: int) -> Needs:
+        """See `BatchObserver.needs`."""
+        next_step = tick // self._stepping.stride + 1
+        last = self._last - next_step
+        return Needs(states=(range(-next_step % self._every, FOREVER, self._every), range(max(last, 0), last + 1)))
 
-    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
-        """As in `BatchObserver`; in batches, no account takes part in steps."""
-        self._saved += [self._course.keep(tick, state) for tick, _, state in saved if self._fits(tick)]
+    def see(self, batch: Batch) -> None:
+        """See `BatchObserver.see`; in batches, no account takes part in steps."""
+        self._saved += [self._course.keep(tick, state) for tick, _, state in batch.saved if self._fits(tick)]
 
     def answer(self, wish: WindowsWish, rows: Chunks) -> None:
         """Repeat the windows; call it when the run has ended. rows: what it has recorded."""

@@ -12,7 +12,7 @@ from ...components.core.columns import decoded
 from ...components.core.errors import BadInput, nearest
 from ...components.core.files import read_bytes
 from ..loading import MOST_TOML, check_values, loading
-from .kinds import refuse_other
+from .file_kinds import refuse_other
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
 ARCHIVE = (

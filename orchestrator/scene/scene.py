@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -38,22 +39,22 @@ Keys = TypeVar("Keys", bound=AnalysisKeys)
 Models = Mapping[str, type[AnalysisKeys]]  # of [analysis], by the name of a system
 
 
-class KnownSystems(dict[str, type[AnalysisKeys]]):
-    """`Models`, with what else is known of these systems: summaries, reports and plots of results (`results.Views`), tables of limits."""
+@dataclass(frozen=True)
+class KnownSystems:
+    """What scenes and results know of systems: the models of [analysis], and summaries, reports and plots (`results.Views`)."""
 
-    def __init__(self, models: Models, views: Any):
-        super().__init__(models)
-        self.views = views
+    models: Models = field(default_factory=dict)
+    views: Any = None
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return KnownSystems, (dict(self), self.views)
+
+NO_SYSTEMS = KnownSystems()
 
 
 class Scene(SceneSettings):
     """Units, connections and master settings; checked when read by `load_scene`, `read_scene` or `with_changes`."""
 
     _coupling: Coupling | None = PrivateAttr(None)
-    _models: Models = PrivateAttr({})
+    _systems: KnownSystems = PrivateAttr(NO_SYSTEMS)
 
     @property
     def coupling(self) -> Coupling:
@@ -65,7 +66,12 @@ class Scene(SceneSettings):
     @property
     def views(self) -> Any:
         """What sums up and draws results of this scene: `results.Views`; None where it was read without knowledge of systems."""
-        return getattr(self._models, "views", None)
+        return self._systems.views
+
+    @property
+    def systems(self) -> KnownSystems:
+        """What the scene was read with."""
+        return self._systems
 
     @property
     def kinds(self) -> dict[str, UnitKind]:
@@ -152,14 +158,14 @@ class Scene(SceneSettings):
 
     def load_other(self, name_or_path: str | Path) -> Scene:
         """Another scene, which this one names."""
-        return load_scene(name_or_path, self._models)
+        return load_scene(name_or_path, self.systems)
 
     def with_changes(self, changes: Mapping[str, Any]) -> Scene:
         """A new, checked scene with some settings replaced, each by its name, see `scene.names`.
 
         "catenary.damping.alpha", "catenary.effects.steady_arm", "stop_time", "master.step", "units.catenary.preset" ...
         """
-        changed = read_scene(changed_settings(self, changes), self.name, remarks=self.remarks, analysis=self._models)
+        changed = read_scene(changed_settings(self, changes), self.name, remarks=self.remarks, systems=self.systems)
         check_effects(changed, changes, self)
         return changed
 
@@ -175,22 +181,22 @@ class Scene(SceneSettings):
             table = read_signals(path).table
             data |= {"start_time": float(table[0, 0]), "stop_time": float(table[-1, 0])}
         remarks = (*self.remarks, remark) if remark else self.remarks
-        return read_scene(data, self.name, remarks=remarks, analysis=self._models)
+        return read_scene(data, self.name, remarks=remarks, systems=self.systems)
 
     def split(self, name: str) -> tuple[str, str]:
         """("unit", "rest") of "unit.rest", see `settings.names`."""
         return split_name(name, self.units)
 
 
-def load_scene(name_or_path: str | Path, analysis: Models | None = None, changes: Mapping[str, Any] | None = None) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`.
+def load_scene(name_or_path: str | Path, systems: KnownSystems = NO_SYSTEMS, changes: Mapping[str, Any] | None = None) -> Scene:
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `systems`: see `read_scene`.
 
     changes: by name, as of `Scene.with_changes`; those outside of units are judged with what the file says.
     """
     path = scene_path(name_or_path)
     data, remarks = read_file(path, changes or ())
     with loading(str(path), "a scene"):
-        return read_changed(data, changes or {}, path.stem, path.parent, remarks, analysis)
+        return read_changed(data, changes or {}, path.stem, path.parent, remarks, systems)
 
 
 def read_changed(
@@ -199,11 +205,11 @@ def read_changed(
     name: str,
     folder: Path | None = None,
     remarks: Sequence[str] = (),
-    analysis: Models | None = None,
+    systems: KnownSystems = NO_SYSTEMS,
 ) -> Scene:
     """As `read_scene`, with changes by name: settings outside of units are judged with what the data say, others after it."""
     own = {key: value for key, value in changes.items() if is_setting(key)}
-    scene = read_scene(with_settings(data, own), name, folder, remarks, analysis)
+    scene = read_scene(with_settings(data, own), name, folder, remarks, systems)
     others = {key: value for key, value in changes.items() if key not in own}
     return scene.with_changes(others) if others else scene
 
@@ -230,23 +236,22 @@ def read_scene(
     name: str = "scene",
     folder: Path | None = None,
     remarks: Sequence[str] = (),
-    analysis: Models | None = None,
+    systems: KnownSystems = NO_SYSTEMS,
 ) -> Scene:
     """A scene from plain data, checked down to every connection. Paths of FMUs and of other scenes are relative to `folder`.
 
     `remarks`: what its file says that is ignored, for the warnings of its runs.
-    `analysis`: by the name of a system, the model of what its [analysis] may say.
+    `systems`: those that its [analysis] may name.
     """
-    models = analysis or {}
     data, more = expanded(data, name, folder)
     data = _with_place_of_limits(with_numbers(_prepared(data, name), name), folder)
     try:
-        scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
+        scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, systems.models)})
     except ValidationError as error:
         raise one_message(error, Scene, name) from None
     if "analysis" not in data:
         scene.__pydantic_fields_set__.discard("analysis")
-    scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
+    scene._name, scene._remarks, scene._systems = name, (*remarks, *more), systems
     _check_quantities(scene)
     for kind in scene.kinds.values():
         kind.refuse_run(scene.start_time, scene.stop_time, name)
@@ -270,18 +275,18 @@ def _with_place_of_limits(data: Mapping[str, Any], folder: Path | None) -> Mappi
     return {**data, "limits": {**(limits if isinstance(limits, Mapping) else {}), "table": str(folder.resolve() / table)}}
 
 
-def recorded_scene(data: Mapping[str, Any], analysis: Models | None = None) -> Scene:
+def recorded_scene(data: Mapping[str, Any], systems: KnownSystems = NO_SYSTEMS) -> Scene:
     """The scene of which run.json says all settings, for its result: the files that it names may be gone, and are not read."""
-    settings, name, models = dict(data), str(data.get("name")), analysis or {}
+    settings, name = dict(data), str(data.get("name"))
     settings.pop("name", None)
     if isinstance(given := settings.get("master"), Mapping):  # a default that is given would be refused where it has no effect
         usual = MasterSettings(step=1.0).model_dump(mode="json", exclude={"step"})
         settings["master"] = {key: value for key, value in given.items() if key not in usual or value != usual[key]}
     try:
-        scene = Scene.model_validate({**settings, "analysis": _analysis(settings.get("analysis", {}), name, models)})
+        scene = Scene.model_validate({**settings, "analysis": _analysis(settings.get("analysis", {}), name, systems.models)})
     except ValidationError as error:
         raise one_message(error, Scene, name) from None
-    scene._name, scene._models = name, models
+    scene._name, scene._systems = name, systems
     return scene
 
 

@@ -16,7 +16,7 @@ from ...components.core.errors import BadInput, nearest
 from ..renamed import OUTPUT
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
-from ..scene.kinds import refuse_other
+from ..scene.file_kinds import refuse_other
 from ..units.description import default_experiment
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class _Views:
         return signal_figure(result, signals, fig=fig)
 
 
-ANALYSIS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.items()}, _Views())
+KNOWN_SYSTEMS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.items()}, _Views())
 
 
 def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -89,17 +89,17 @@ def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
         path = Path(name)
         times, remarks = default_experiment(path, changes)
         data = {"title": path.name, "units": {FMU_ALONE: {"fmu": path.name}}, **times}
-        return scenes.read_changed(data, changes, path.stem, path.parent, remarks, ANALYSIS)
+        return scenes.read_changed(data, changes, path.stem, path.parent, remarks, KNOWN_SYSTEMS)
     if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
         cls = component_class(name, "scene")
         data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
-        return scenes.read_changed(data, changes, cls.__name__, analysis=ANALYSIS)
-    return scenes.load_scene(name_or_path, ANALYSIS, changes)
+        return scenes.read_changed(data, changes, cls.__name__, systems=KNOWN_SYSTEMS)
+    return scenes.load_scene(name_or_path, KNOWN_SYSTEMS, changes)
 
 
 def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = ()) -> Scene:
     """A scene from plain data, checked down to every connection. Paths of FMUs and of other scenes are relative to `folder`."""
-    return scenes.read_scene(data, name, folder, remarks, ANALYSIS)
+    return scenes.read_scene(data, name, folder, remarks, KNOWN_SYSTEMS)
 
 
 def build_scene(
@@ -140,7 +140,7 @@ def read_result(directory: str | Path) -> Result:
     """The result that a run has written into a directory; of one that was killed, its rows up to the last chunk."""
     from ..run.results import Result
 
-    return Result.read(directory, ANALYSIS)
+    return Result.read(directory, KNOWN_SYSTEMS)
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:

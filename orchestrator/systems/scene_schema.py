@@ -12,7 +12,7 @@ from ...components.core.component import Component
 from ...components.core.variables import Causality, Kind, Variable
 from ...fmus.versions import version
 from ..scene.scene import Scene
-from . import ANALYSIS
+from . import KNOWN_SYSTEMS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -30,9 +30,9 @@ def scene_schema() -> dict[str, Any]:
     unit["allOf"] = [_where("component", name, f"component.{name}") for name in CATALOGUE]
     definitions |= {f"component.{name}": _component(component_class(name)) for name in CATALOGUE}
     analysis = schema["properties"]["analysis"]
-    analysis["properties"] = {"system": {"enum": ["", *ANALYSIS], "description": "whose figures the report has"}}
-    analysis["allOf"] = [_where("system", name, f"analysis.{name}") for name in ANALYSIS]
-    for name, model in ANALYSIS.items():
+    analysis["properties"] = {"system": {"enum": ["", *KNOWN_SYSTEMS.models], "description": "whose figures the report has"}}
+    analysis["allOf"] = [_where("system", name, f"analysis.{name}") for name in KNOWN_SYSTEMS.models]
+    for name, model in KNOWN_SYSTEMS.models.items():
         keys = model.model_json_schema()
         definitions |= keys.pop("$defs", {})
         definitions[f"analysis.{name}"] = keys

@@ -13,7 +13,7 @@ from cosimo.orchestrator.harness.validation.shipped import shipped_cases
 def test_a_folder_without_modules_has_no_cases_figures_summary_or_motion(tmp_path, monkeypatch):
     bare = System("bare", "Bare", "cosimo.components.core")  # a package that has none of them
     monkeypatch.setitem(systems.SYSTEMS, "bare", bare)
-    monkeypatch.setitem(systems.ANALYSIS, "bare", bare.keys)
+    monkeypatch.setitem(systems.KNOWN_SYSTEMS.models, "bare", bare.keys)
     units = {"b": {"component": "JeffcottRotor", "parameters": {"start_speed": 10.0}}}
     result = systems.run(systems.build_scene(units, stop_time=0.1, step=1e-3, analysis={"system": "bare"}), in_process=True)
     assert (list(shipped_cases(bare.package, bare.name, systems.load_scene)), bare.headline, bare.explore) == ([], (), None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, Protocol
 
@@ -27,45 +28,52 @@ BATCH_SECONDS = 0.1  # that a batch may last: so long Ctrl-C and the progress ba
 NO_STEP = 1_000_000_000  # less than this part of a stride is no step of its own: 3 * 1e-4 is 3.0000000000000003e-4
 
 
+@dataclass(frozen=True)
+class Needs:
+    """What an observer needs of the coming steps, counted from 0.
+
+    unseen: how many of them, it need not be called at.  inputs: behind which it needs all inputs.  states: behind which it needs the
+    master saved.  finds: whether it may find among steps that were taken one at which it must be called, see
+    `BatchObserver.first_violation`: where steps can be taken back, batches need not end for it.
+    """
+
+    unseen: int = FOREVER
+    inputs: range = range(0)
+    states: tuple[range, ...] = ()
+    finds: bool = False
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Steps at which no observer was called.
+
+    ticks, times (s): reached by the steps.  rows: the master's sample there, (n, signals).  outputs: (n, columns), what
+    `Stepping.watch` was asked for.  at: (m,), steps behind which some observer needs the inputs.  inputs: (m, 2, links), their values
+    there, and those which they were given for that instant.  saved: tick, time (s) and state of the master where some observer needs it.
+    """
+
+    ticks: range
+    times: np.ndarray
+    rows: np.ndarray
+    outputs: np.ndarray
+    at: np.ndarray
+    inputs: np.ndarray
+    saved: Sequence[tuple[int, float, Any]] = ()
+
+
 class BatchObserver:
-    """An observer that need not be called at every step, see `steps_not_needed`. This one is called at none."""
+    """An observer that need not be called at every step. This one is called at none."""
 
-    finds_violations = False  # at any step: where steps can be taken back, batches need not end for this observer
+    def needs(self, tick: int, length: int) -> Needs:
+        """What is needed of the steps of `length` ticks that begin at `tick`."""
+        return Needs()
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
-        """How many of the coming steps of `length` ticks the observer need not see."""
-        return FOREVER
-
-    def first_violation(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
-        """The first of the steps `at` at which the observer must be called. The steps are repeated up to this one.
-
-        Arguments as of `observe_inputs`.
-        """
+    def first_violation(self, batch: Batch) -> int | None:
+        """The first of the steps `at` at which the observer must be called: steps are then repeated up to this one."""
         return None
 
-    def sampled_steps(self, n: int) -> range:
-        """Of the coming n steps, counted from 0, those behind which the observer wants all inputs."""
-        return range(0)
-
-    def saved_steps(self, n: int) -> Iterable[int]:
-        """Of the coming n steps, counted from 0, those behind which the observer wants the master saved."""
-        return ()
-
-    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
-        """Ticks, times (s) and states of the master behind the `saved_steps` of all observers; before `observe_batch`."""
-
-    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
-        """Inputs of steps at which the observer was not called; before `observe_batch`.
-
-        at: (m,), the `sampled_steps` of all observers.  inputs: (m, 2, links), their values behind these steps and those which
-        they were given for that instant.  outputs: (n, columns), what `Stepping.watch` was asked for, behind every step.
-        """
-
-    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
-        """Steps at which the observer was not called.
-
-        ticks, times (s): reached by the steps.  rows: the master's sample there, (n, signals).
-        """
+    def see(self, batch: Batch) -> None:
+        """Steps at which the observer was not called."""
 
 
 class Steppable(Protocol):
@@ -214,54 +222,55 @@ class Stepping:
     # -- batches -----------------------------------------------------------------------------------------------------
     def _take_batch(self, master: Master, length: int, last: int, observers: Sequence[Any]) -> None:
         """Steps of one length up to the next one that has to be looked at, at most to the tick `last`."""
-        tick, h = self.tick, self.clock.seconds(length)
-        finding = [o for o in observers if o.finds_violations]
-        needed = [1 + o.steps_not_needed(tick, length) for o in observers if not o.finds_violations]
-        needed_to_find = [1 + o.steps_not_needed(tick, length) for o in finding]
-        n = min((last - tick) // length, 1 + int(BATCH_SECONDS / self._pace), BATCH_STEPS, *needed)
-        before = None
-        if n > min(needed_to_find, default=n):
-            if self._saves(master):
-                before = self._save(master)
-            else:
-                n = min(needed_to_find)
-        ticks = range(tick, tick + (n + 1) * length, length)
-        times = self.clock.times(ticks)
-        started = perf_counter()
-        sampled = np.array(sorted({k for o in observers for k in o.sampled_steps(n)}), dtype=np.int64)
-        saved_steps = sorted({k for o in observers for k in o.saved_steps(n - 1)})
-        self._under_way = ticks, times
-        taken = self.master.take_steps(times[:-1], h, sampled, saved_steps)
-        self._under_way = None
-        self._pace = max((perf_counter() - started) / n, 1e-7)
-        done = len(taken.rows)
-        unseen = done if taken.failure is not None else done - 1
-        at = sampled[sampled < unseen]
-        inputs, outputs = taken.inputs[: at.size], taken.outputs[:unseen]
-        violations = [o.first_violation(at, inputs) for o in finding] if before is not None else []
-        if steps := [step for step in violations if step is not None]:
-            self._restore(before)
-            self._take_batch(master, length, tick + (min(steps) + 1) * length, observers)
-            return
-        if unseen > 0:
-            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(saved_steps, taken.saved, strict=False)]
+        tick = self.tick
+        needs = [o.needs(tick, length) for o in observers]
+        n, before = self._size(master, (last - tick) // length, needs)
+        taken, unseen = self._taken(length, n, needs)
+        if before is not None:
+            found = [o.first_violation(unseen) for o, need in zip(observers, needs, strict=True) if need.finds]
+            if steps := [step for step in found if step is not None]:
+                self._restore(before)
+                self._take_batch(master, length, tick + (min(steps) + 1) * length, observers)
+                return
+        if unseen.ticks:
             for observe in observers:
-                observe.observe_saved(saved)
-                observe.observe_inputs(at, inputs, outputs)
-                observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], taken.rows[:unseen])
-        self.tick = ticks[done]
+                observe.see(unseen)
+        self.tick = tick + len(taken.rows) * length
         if taken.failure is not None:
             raise taken.failure
+
+    def _size(self, master: Master, most: int, needs: Sequence[Needs]) -> tuple[int, Any]:
+        """Of how many steps the next batch is, and what takes it back where an observer may find that it was too long."""
+        n = min(most, 1 + int(BATCH_SECONDS / self._pace), BATCH_STEPS, *(1 + need.unseen for need in needs if not need.finds))
+        to_find = min((1 + need.unseen for need in needs if need.finds), default=n)
+        if n <= to_find:
+            return n, None
+        return (n, self._save(master)) if self._saves(master) else (to_find, None)
+
+    def _taken(self, length: int, n: int, needs: Sequence[Needs]) -> tuple[Steps, Batch]:
+        """Take n steps; those at which no observer is called are all but the last, or all that come before a failure."""
+        ticks = range(self.tick, self.tick + (n + 1) * length, length)
+        times = self.clock.times(ticks)
+        sampled = np.array(_steps((need.inputs for need in needs), n), dtype=np.int64)
+        saved_steps = _steps((steps for need in needs for steps in need.states), n - 1)
+        started, self._under_way = perf_counter(), (ticks, times)
+        taken = self.master.take_steps(times[:-1], self.clock.seconds(length), sampled, saved_steps)
+        self._under_way = None
+        self._pace = max((perf_counter() - started) / n, 1e-7)
+        unseen = len(taken.rows) if taken.failure is not None else len(taken.rows) - 1
+        at = sampled[sampled < unseen]
+        saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(saved_steps, taken.saved, strict=False)]
+        return taken, _batch(ticks, times, unseen, taken, at, saved)
 
     def rescue(self, observers: Sequence[Any]) -> None:
         """This process is about to end inside of a step: let the observers have the steps of a batch that were completed."""
         if self._batches is None or self._under_way is None:
             return
         taken, (ticks, times) = self._batches.so_far(), self._under_way
-        n = len(taken.rows)
-        for observe in observers if n else ():
-            observe.observe_inputs(np.zeros(0, dtype=np.int64), taken.inputs[:0], taken.outputs)
-            observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows)
+        if len(taken.rows):
+            batch = _batch(ticks, times, len(taken.rows), taken, NONE)
+            for observe in observers:
+                observe.see(batch)
 
     def _saves(self, master: Master) -> bool:
         """Whether steps can be taken back: all units are components whose whole state is known."""
@@ -281,6 +290,16 @@ class Stepping:
         self.master.restore(state)
         for array, values in arrays:
             array[...] = values
+
+
+def _steps(wanted: Iterable[range], n: int) -> list[int]:
+    """Of n steps those that are in one of the ranges."""
+    return sorted({k for steps in wanted for k in range(steps.start, min(steps.stop, n), steps.step)})
+
+
+def _batch(ticks: range, times: np.ndarray, n: int, taken: Steps, at: np.ndarray, saved: Sequence[Any] = ()) -> Batch:
+    """The first n steps of those that were taken; ticks, times: from before the first one."""
+    return Batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows[:n], taken.outputs[:n], at, taken.inputs[: at.size], saved)
 
 
 def _components(master: Master) -> list[ComponentSimulator]:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from ....components.core.errors import BadInput, pick
+from ...scene.file_kinds import refuse_other
 from ...scene.files import read_toml
-from ...scene.kinds import refuse_other
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
 from ..validation.reference import MISSING, Table, TableRow, functions, load_table, rows_of, table_files, table_rows

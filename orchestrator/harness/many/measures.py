@@ -15,7 +15,7 @@ from ...run.dependence import depends_on, source_of
 from ...run.figures import KINDS, Figures, after_transient
 from ...run.instability import unfollowed
 from ...run.results import Result
-from ...scene.scene import Scene, read_scene
+from ...scene.scene import KnownSystems, Scene, read_scene
 from ...settings.plan import KeepSettings
 from ..analysis.sections import section as section_of
 from ..studies.quantities import TimeHistory, quantities_of, recording
@@ -57,13 +57,13 @@ class PointResult:
 class Task:
     """A scene and what is kept of its runs, as plain data that another process can take.
 
-    data, name: of the scene.  models: of its [analysis], by system.
+    data, name: of the scene.  systems: that it knows.
     base: digest of what the results of all points depend on: scene, what is kept, own code, version.
     """
 
     data: Mapping[str, Any]
     name: str
-    models: Mapping[str, Any]
+    systems: KnownSystems
     keep: KeepSettings
     summarize: Summarize | None
     base: str
@@ -77,11 +77,11 @@ class Task:
         summarize = summarize if keep.summary else None
         functions = {text: source_of(text) for text in keep.functions}
         key = depends_on(scene, keep.model_dump(mode="json"), summarize is not None, functions, of="figures")
-        return cls(scene.settings(), scene.name, scene._models, keep, summarize, key[:16])
+        return cls(scene.settings(), scene.name, scene.systems, keep, summarize, key[:16])
 
     def scene(self) -> Scene:
         """The scene, read anew, without the snapshots, which nothing but a function of one's own can read."""
-        scene = read_scene(self.data, self.name, analysis=self.models)
+        scene = read_scene(self.data, self.name, systems=self.systems)
         if self.keep.functions or not scene.record.snapshots:
             return scene
         return scene.with_changes({"record.snapshots": (), "record.snapshot_interval": None})

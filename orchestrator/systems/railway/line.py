@@ -21,8 +21,8 @@ from ....components.railway.line.layout import GRAVITY
 from ....components.railway.line.table import read_line
 from ....components.railway.line.temperature import line_at
 from ...output import ensure_directory
+from ...scene.file_kinds import refuse_other
 from ...scene.files import read_text
-from ...scene.kinds import refuse_other
 
 DROPPERS = column_names()
 DROPPER_COLUMNS = tuple(name for key, name in DROPPERS.items() if key != "axial_stiffness")

@@ -14,8 +14,8 @@ from ....components.core.measure import number_in
 from ....components.railway.line.from_table import resolved_sections
 from ....components.railway.line.table import read_line
 from ....components.railway.pantograph import Pantograph
+from ...scene.file_kinds import refuse_other
 from ...scene.files import read_text, read_toml
-from ...scene.kinds import refuse_other
 
 COLUMNS = {  # of the table of supports -> key of a support in a line's table, "" for what is none; unit
     "position": ("", "m"),

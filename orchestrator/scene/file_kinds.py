@@ -11,7 +11,7 @@ from ...components.core.errors import BadInput
 from ...components.core.files import read_bytes
 from ..loading import MOST_TOML
 
-KINDS = {  # kind -> what it is, and what reads it
+FILE_KINDS = {  # kind -> what it is, and what reads it
     "scene": ("a scene", "cosimo run FILE"),
     "line": ("the table of a line", "cosimo railway line FILE or cosimo new scene --line FILE"),
     "case": ("a validation case", "cosimo validate FILE"),
@@ -38,8 +38,8 @@ KEYS = {  # kind of a TOML file -> keys of which one shows it; the first kind th
 }
 
 
-def kind_of(path: Path) -> str:
-    """A key of `KINDS`; "" for what is not recognised."""
+def file_kind(path: Path) -> str:
+    """A key of `FILE_KINDS`; "" for what is not recognised."""
     if path.is_dir():
         return "result" if (path / "run.json").exists() else "report" if (path / "report.html").exists() else "folder"
     if path.suffix.lower() in SUFFIXES and path.is_file():
@@ -57,8 +57,8 @@ def kind_of_data(data: Mapping[str, Any]) -> str:
 
 def refuse_other(path: str | Path, *wanted: str) -> None:
     """Raises `BadInput` for a file or folder that is recognised, and is none of the kinds `wanted`."""
-    kind = kind_of(Path(path))
+    kind = file_kind(Path(path))
     if kind and kind not in wanted:
-        text, commands = KINDS[kind]
-        expected = " or ".join(KINDS[each][0] for each in wanted)
+        text, commands = FILE_KINDS[kind]
+        expected = " or ".join(FILE_KINDS[each][0] for each in wanted)
         raise BadInput(str(path), text, expected, f"It belongs to {commands}." if commands else "")

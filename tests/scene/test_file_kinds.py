@@ -10,7 +10,7 @@ from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.limits import table_of
 from cosimo.orchestrator.harness.many.plan import plan_settings
-from cosimo.orchestrator.scene.kinds import KINDS, kind_of
+from cosimo.orchestrator.scene.file_kinds import FILE_KINDS, file_kind
 from cosimo.orchestrator.systems.railway import line
 from cosimo.tests.commands import exit_code
 
@@ -50,13 +50,16 @@ def folder(tmp_path, monkeypatch):
 
 def test_each_kind_is_recognised_and_named_by_every_reader_of_another(folder):
     for (name, (kind, _)), (wanted, read) in product(FILES.items(), READERS.items()):
-        assert kind_of(folder / name) == kind
+        assert file_kind(folder / name) == kind
         if kind != wanted and (kind, wanted) not in FALL_THROUGH:
             with pytest.raises(BadInput) as raised:
                 read(name)
             message = raised.value
-            assert (message.actual, message.expected.partition(" or ")[0]) == (KINDS[kind][0], KINDS[wanted][0]), (name, wanted)
-            assert KINDS[kind][1] in message.remedy
+            assert (message.actual, message.expected.partition(" or ")[0]) == (FILE_KINDS[kind][0], FILE_KINDS[wanted][0]), (
+                name,
+                wanted,
+            )
+            assert FILE_KINDS[kind][1] in message.remedy
 
 
 @pytest.mark.parametrize(
@@ -64,4 +67,4 @@ def test_each_kind_is_recognised_and_named_by_every_reader_of_another(folder):
 )
 def test_commands_say_which_one_reads_it(folder, capsys, command, name):
     assert exit_code(command, name) == 2
-    assert KINDS[FILES[name][0]][1] in capsys.readouterr().err
+    assert FILE_KINDS[FILES[name][0]][1] in capsys.readouterr().err
