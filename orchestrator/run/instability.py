@@ -65,7 +65,7 @@ class InstabilityMonitor(BatchObserver):
             return
         looks = self._sizes(self._master.machine.inputs()[None, :, self._columns])
         sums = self._account.sums if self._account is not None else None
-        if (grown := self._take(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
+        if (grown := self._first_growth(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
             raise Unstable(grown[1], t, grown[2])
 
     def needs(self, tick: int, length: int) -> Needs:
@@ -78,7 +78,7 @@ class InstabilityMonitor(BatchObserver):
         at, inputs = batch.at, batch.inputs
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
-        grown = self._take(
+        grown = self._first_growth(
             self._sizes(inputs[mine][:, :, self._columns]),
             at[mine],
             self._account.sums_behind if self._account is not None else lambda _: None,
@@ -93,7 +93,7 @@ class InstabilityMonitor(BatchObserver):
         """See `BatchObserver.see`."""
         if not self._seen:  # no block ends among them, see `needs`
             mine = (self._calls + batch.at + 1) % self._every == 0
-            self._take(self._sizes(batch.inputs[mine][:, :, self._columns]), batch.at[mine], lambda _: None)
+            self._first_growth(self._sizes(batch.inputs[mine][:, :, self._columns]), batch.at[mine], lambda _: None)
         self._seen = False
         self._calls += len(batch.ticks)
 
@@ -151,18 +151,16 @@ class InstabilityMonitor(BatchObserver):
         link = self._links[rounded.index(share := max(rounded))]
         return Missed(input=".".join(link.target), source=".".join(link.source), share=share)
 
-    def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
+    def _first_growth(
+        self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]
+    ) -> tuple[int, str, str] | None:
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
         grown, the unit that takes it, and how it has grown; None: nothing has."""
         grown: list[tuple[int, str, str]] = []
-        self._last, whole = np.concatenate((self._last, looks))[-LAST:], np.concatenate((self._whole, looks))
-        while len(whole) > 2 * OF_WHOLE:
-            pairs = np.maximum(whole[:-1:2], whole[1::2])
-            whole = np.concatenate((pairs, whole[-1:])) if len(whole) % 2 else pairs
-        self._whole = whole
+        self._remember(looks)
         rows, ends = looks, steps
         for k, blocks in enumerate(self._blocks):
-            rows, ends, which = blocks.take(rows, ends)
+            rows, ends, which = blocks.add(rows, ends)
             if k == 0:
                 sizes, closed = rows[:, 0], ends.tolist()
             if which is not None:
@@ -170,10 +168,18 @@ class InstabilityMonitor(BatchObserver):
         if self._account is not None:
             rows, ends = self._powers(closed, sums)
             for blocks in self._energies:
-                rows, ends, which = blocks.take(rows, ends)
+                rows, ends, which = blocks.add(rows, ends)
                 if which is not None:
                     grown.append((which[0], *self._bond_text(which[1], sums(which[0]))))
         return min(grown, key=lambda one: one[0], default=None)
+
+    def _remember(self, looks: np.ndarray) -> None:
+        """Keep the last looks, and of the whole run the largest of pairs, the earlier, the more."""
+        self._last, whole = np.concatenate((self._last, looks))[-LAST:], np.concatenate((self._whole, looks))
+        while len(whole) > 2 * OF_WHOLE:
+            pairs = np.maximum(whole[:-1:2], whole[1::2])
+            whole = np.concatenate((pairs, whole[-1:])) if len(whole) % 2 else pairs
+        self._whole = whole
 
     def _input_text(self, k: int, sizes: np.ndarray) -> tuple[str, str]:
         link, scale = self._links[k], self._blocks[0].nominal[k]
@@ -211,31 +217,41 @@ class _Blocks:
         self.size, self.rows = size, np.zeros((0, 2, nominal.size))  # rows: of the block that is not full yet
         self.past = np.zeros((0, 2, nominal.size))  # the last BLOCKS - 1 blocks
 
-    def take(self, rows: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int] | None]:
+    def add(self, rows: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int] | None]:
         """Values and misses (m, 2, n) behind the steps `ends` (m,): the blocks they fill, (b, 2, n), and behind which steps; and
         of the first that has grown like an instability the step and the column."""
-        rows, pending = np.concatenate((self.rows, rows)), len(self.rows)
-        if (count := len(rows) // self.size) == 0:
-            self.rows = rows
-            return rows[:0], ends[:0], None
-        self.rows, full = rows[count * self.size :], rows[: count * self.size].reshape(count, self.size, *rows.shape[1:])
-        blocks = np.fmax.reduce(full, axis=1, initial=0.0)  # fmax: numbers, where there are some
-        ends = ends[self.size - 1 - pending :: self.size][:count]
-        past, known = np.concatenate((self.past, blocks)), len(self.past)
-        judged = past[BLOCKS - 1 :]
+        blocks, ends = self._filled(rows, ends)
+        if not len(blocks):
+            return blocks, ends, None
+        known, past = len(self.past), np.concatenate((self.past, blocks))
+        judged = past[BLOCKS - 1 :]  # those that have enough before them
         calm = np.maximum.accumulate(np.concatenate((self.calm[None], past[:, 0])))
         self.calm, self.past = calm[len(judged)], past[-(BLOCKS - 1) :]
-        beyond = judged[:, 0] > BEYOND * calm[: len(judged)]
-        if not beyond.any():
+        if (grown := self._first_grown(judged, past, calm[: len(judged)])) is None:
             return blocks, ends, None
+        block, column = grown
+        return blocks, ends, (int(ends[block + BLOCKS - 1 - known]), column)
+
+    def _filled(self, rows: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The largest of each block that is full now, and the steps behind which they end; the rest waits."""
+        pending, rows = len(self.rows), np.concatenate((self.rows, rows))
+        count = len(rows) // self.size
+        full, self.rows = rows[: count * self.size], rows[count * self.size :]
+        blocks = np.fmax.reduce(full.reshape(count, self.size, *rows.shape[1:]), axis=1, initial=0.0)  # fmax: numbers, if any
+        return blocks, ends[self.size - 1 - pending :: self.size][:count]
+
+    def _first_grown(self, judged: np.ndarray, past: np.ndarray, calm: np.ndarray) -> tuple[int, int] | None:
+        """The first of the judged blocks that is far beyond the scale before it and misses more every time, and its worst column."""
+        beyond = judged[:, 0] > BEYOND * calm
+        if not beyond.any():
+            return None
         rises = past[1:, 1] > RISE * past[:-1, 1]
         grown = beyond & (judged[:, 1] > MISSED * judged[:, 0])
         grown &= np.all([rises[k : k + len(judged)] for k in range(BLOCKS - 1)], axis=0)
         if not grown.any():
-            return blocks, ends, None
+            return None
         first = int(np.argmax(grown.any(axis=1)))
-        worst = np.argmax(np.where(grown[first], judged[first, 1] / self.nominal, 0.0))
-        return blocks, ends, (int(ends[first + BLOCKS - 1 - known]), int(worst))
+        return first, int(np.argmax(np.where(grown[first], judged[first, 1] / self.nominal, 0.0)))
 
 
 def unfollowed(missed: Missed | None) -> list[str]:

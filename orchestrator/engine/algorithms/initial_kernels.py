@@ -59,7 +59,7 @@ def _sweep(group, m, t):
 
 
 @kernel
-def _take(group, m, row):
+def _copy_outputs(group, m, row):
     """Copy the outputs of a group into a row of `answers`."""
     for j in range(group.answers):
         m.space[row, j] = m.signals[m.answers[group.first_answer + j].cell]
@@ -103,9 +103,9 @@ def _solve_group(group, m, t):
     if group.last - group.first == 1:
         group.sweeps = 1
         return _sweep(group, m, t) and _bounded(group, m)
-    _take(group, m, BEST)
+    _copy_outputs(group, m, BEST)
     for sweep in range(1, SWEEPS + 1):
-        _take(group, m, BEFORE)
+        _copy_outputs(group, m, BEFORE)
         if not _sweep(group, m, t):
             return False
         group.sweeps = sweep
@@ -129,65 +129,119 @@ def _solve_group(group, m, t):
 @kernel
 def _solve_by_secants(group, m, t):
     """Continue from the best sweep by Anderson's method; returns whether the outputs stand."""
-    space, last, unknowns, kept = m.space, np.inf, 0, 0
+    unknowns, kept, last = _unknowns(group, m), 0, np.inf
     lowest, share, relaxed = np.inf, 1.0, 0
-    for j in range(group.answers):
-        unknowns += 1 if m.answers[group.first_answer + j].unknown != 0 else 0
     for k in range(LONGEST):
-        if kept == SECANTS:
-            return False
-        answers, misses = space[ANSWERS + kept], space[MISSES + kept]
-        for j in range(group.answers):
-            m.signals[m.answers[group.first_answer + j].cell] = space[BEST, j]
-        if not _sweep(group, m, t):
+        if kept == SECANTS or not _sweep_from_best(group, m, t):
             return False
         group.secants = k + 1
         group.residual = residual = _residual(group, m, BEST)
         if _within(residual, last):
             return True
         last = residual
-        _take(group, m, ANSWERS + kept)
-        finite, returned, moved, size, turned, way = True, 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(group.answers):
-            unknown = m.answers[group.first_answer + j].unknown != 0
-            misses[j] = answers[j] - space[BEST, j] if unknown else 0.0
-            finite = finite and np.isfinite(answers[j])
-            if kept > 0 and unknown:
-                returned = max(returned, abs(misses[j] - space[MISSES + kept - 1, j]))
-                moved = max(moved, abs(answers[j] - space[ANSWERS + kept - 1, j]))
-            least = m.answers[group.first_answer + j].least
-            size += (misses[j] / least) ** 2
-            if kept > 0 and unknown:
-                change = misses[j] - space[MISSES + kept - 1, j]
-                turned += (change / least) ** 2
-                way += ((answers[j] - space[ANSWERS + kept - 1, j] - change) / least) ** 2
-        if not finite:
+        _copy_outputs(group, m, ANSWERS + kept)
+        if not _store_misses(group, m, kept):
             return False
-        if k > 0 and returned < RETURNED * moved:
-            group.parallel = 1
-        if turned > 0.0:
-            share = min(share, np.sqrt(way / turned))
+        size = _size_of_miss(group, m, kept)
+        if kept > 0:
+            share = min(share, _contraction(group, m, kept))
         kinked = k > unknowns + 1 and residual > KINKED
         if kinked and kept > unknowns:
-            for i in range(kept):
-                for j in range(group.answers):
-                    space[ANSWERS + i, j], space[MISSES + i, j] = space[ANSWERS + i + 1, j], space[MISSES + i + 1, j]
-            kept -= 1
-            answers, misses = space[ANSWERS + kept], space[MISSES + kept]
+            kept = _forget_oldest(group, m, kept)
         if kinked and size >= lowest and relaxed < RELAXED:
-            for j in range(group.answers):
-                space[BEST, j] += share * misses[j]
-            relaxed, kept = relaxed + 1, kept + 1
-            continue
-        lowest, relaxed = size, 0
-        _foretell(group, m, kept)
-        for j in range(group.answers):
-            value = answers[j]
-            for i in range(kept):
-                value += (space[ANSWERS + i, j] - answers[j]) * space[WEIGHTS, i]
-            space[BEST, j] = value
+            _go_a_share(group, m, kept, share)
+            relaxed += 1
+        else:
+            lowest, relaxed = size, 0
+            _foretell(group, m, kept)
+            _go_to_foretold(group, m, kept)
         kept += 1
     return False
+
+
+@kernel
+def _unknowns(group, m):
+    """How many outputs of a group its sweeps depend on."""
+    unknowns = 0
+    for j in range(group.answers):
+        unknowns += 1 if m.answers[group.first_answer + j].unknown != 0 else 0
+    return unknowns
+
+
+@kernel
+def _sweep_from_best(group, m, t):
+    """A sweep that starts with the row `BEST`; returns whether all units could be initialized."""
+    for j in range(group.answers):
+        m.signals[m.answers[group.first_answer + j].cell] = m.space[BEST, j]
+    return _sweep(group, m, t)
+
+
+@kernel
+def _store_misses(group, m, k):
+    """By how much the k-th answers miss what their sweep started with; returns whether all answers are finite."""
+    answers, misses = m.space[ANSWERS + k], m.space[MISSES + k]
+    for j in range(group.answers):
+        unknown = m.answers[group.first_answer + j].unknown != 0
+        misses[j] = answers[j] - m.space[BEST, j] if unknown else 0.0
+        if not np.isfinite(answers[j]):
+            return False
+    return True
+
+
+@kernel
+def _size_of_miss(group, m, k):
+    """Sum of squares of the k-th misses, relative to the least values."""
+    size = 0.0
+    for j in range(group.answers):
+        size += (m.space[MISSES + k, j] / m.answers[group.first_answer + j].least) ** 2
+    return size
+
+
+@kernel
+def _contraction(group, m, k):
+    """Share of a sweep with which contacts contract, from the k-th answers and those before; notes a circle that gives back what
+    it gets."""
+    space, returned, moved, turned, way = m.space, 0.0, 0.0, 0.0, 0.0
+    for j in range(group.answers):
+        answer = m.answers[group.first_answer + j]
+        if answer.unknown == 0:
+            continue
+        change = space[MISSES + k, j] - space[MISSES + k - 1, j]
+        move = space[ANSWERS + k, j] - space[ANSWERS + k - 1, j]
+        returned, moved = max(returned, abs(change)), max(moved, abs(move))
+        turned += (change / answer.least) ** 2
+        way += ((move - change) / answer.least) ** 2
+    if returned < RETURNED * moved:
+        group.parallel = 1
+    return np.sqrt(way / turned) if turned > 0.0 else np.inf
+
+
+@kernel
+def _forget_oldest(group, m, k):
+    """Move answers and misses one row up; returns the row of the newest."""
+    for i in range(k):
+        for j in range(group.answers):
+            m.space[ANSWERS + i, j] = m.space[ANSWERS + i + 1, j]
+            m.space[MISSES + i, j] = m.space[MISSES + i + 1, j]
+    return k - 1
+
+
+@kernel
+def _go_a_share(group, m, k, share):
+    """Go a share of the way to the k-th answers."""
+    for j in range(group.answers):
+        m.space[BEST, j] += share * m.space[MISSES + k, j]
+
+
+@kernel
+def _go_to_foretold(group, m, k):
+    """Go to the answers weighted as `_foretell` says."""
+    for j in range(group.answers):
+        newest = m.space[ANSWERS + k, j]
+        value = newest
+        for i in range(k):
+            value += (m.space[ANSWERS + i, j] - newest) * m.space[WEIGHTS, i]
+        m.space[BEST, j] = value
 
 
 @kernel
