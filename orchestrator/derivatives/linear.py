@@ -219,32 +219,11 @@ class _Linearization:
 
     def result(self) -> Linear:
         """All of it."""
-        step = self.step
-        cells, matrix = step.cells, step.jacobian()
-        every = step.derivative(cells, np.eye(cells.size), self.every_y)
-        alone = np.array([b[0] for b in blocks_of(matrix) if b.size == 1], dtype=np.intp)
-        silent = [
-            k
-            for k in alone
-            if abs(abs(matrix[k, k]) - 1.0) < 1e-12 and not (np.delete(matrix[:, k], k).any() or every[:, k].any())
-        ]
-        kept = np.setdiff1d(np.arange(cells.size), silent)
+        step, cells, matrix = self.step, self.step.cells, self.step.jacobian()
+        kept = np.setdiff1d(np.arange(cells.size), self._silent(cells, matrix))
         remarks = self._remarks(cells, matrix, kept)
-        cells, A, n, m = cells[kept], matrix[np.ix_(kept, kept)], kept.size, len(self.inputs)
-        C, _ = step.now(cells, np.eye(n), self.y)
-        D, signals = step.now(self.u, np.eye(m), self.y)
-        by, moved = step.with_samples(self.u, np.eye(m), signals)
-        B, H = (step.derivative(by, moved, of) for of in (cells, self.y))
-        place = dict(zip(by, moved, strict=True))
-        B -= np.array([place.get(cell, np.zeros(m)) for cell in cells]).reshape(n, m)  # inputs are taken back behind the step
-        G = step.derivative(cells, np.eye(n), self.y)
-        size = AGREE * (np.abs(G).max(axis=1, initial=0.0) + np.abs(H).max(axis=1, initial=0.0))
-        miss = np.maximum(np.abs(C @ A - G).max(axis=1, initial=0.0), np.abs(C @ B + D - H).max(axis=1, initial=0.0))
-        late = np.flatnonzero(miss > size)  # outputs that are not of the instant alone are states
-        A = np.block([[A, np.zeros((n, late.size))], [G[late], np.zeros((late.size, late.size))]])
-        B, C = np.vstack([B, (H - D)[late]]), np.hstack([C, np.zeros((len(self.y), late.size))])
-        C[late] = np.eye(n + late.size)[n:]
-        cells = np.concatenate([cells, self.y[late]])
+        A, B, C, D, late = self._matrices(cells[kept], matrix[np.ix_(kept, kept)])
+        cells = np.concatenate([cells[kept], self.y[late]])
         units = [unit.name for unit in self.tangents.layout.units]
         return Linear(
             A,
@@ -262,6 +241,34 @@ class _Linearization:
             self._midpoint(),
             tuple(remarks),
         )
+
+    def _silent(self, cells: np.ndarray, matrix: np.ndarray) -> list[int]:
+        """Cells that stay as they are, or turn their sign, and that neither other cells nor an output follows."""
+        every = self.step.derivative(cells, np.eye(cells.size), self.every_y)
+        alone = np.array([b[0] for b in blocks_of(matrix) if b.size == 1], dtype=np.intp)
+        return [
+            k
+            for k in alone
+            if abs(abs(matrix[k, k]) - 1.0) < 1e-12 and not (np.delete(matrix[:, k], k).any() or every[:, k].any())
+        ]
+
+    def _matrices(self, cells: np.ndarray, A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """A, B, C and D; and the outputs that are not of the instant alone, which are states behind those of the cells."""
+        step, n, m = self.step, cells.size, len(self.inputs)
+        C, _ = step.now(cells, np.eye(n), self.y)
+        D, signals = step.now(self.u, np.eye(m), self.y)
+        by, moved = step.with_samples(self.u, np.eye(m), signals)
+        B, H = (step.derivative(by, moved, of) for of in (cells, self.y))
+        place = dict(zip(by, moved, strict=True))
+        B -= np.array([place.get(cell, np.zeros(m)) for cell in cells]).reshape(n, m)  # inputs are taken back behind the step
+        G = step.derivative(cells, np.eye(n), self.y)
+        size = AGREE * (np.abs(G).max(axis=1, initial=0.0) + np.abs(H).max(axis=1, initial=0.0))
+        miss = np.maximum(np.abs(C @ A - G).max(axis=1, initial=0.0), np.abs(C @ B + D - H).max(axis=1, initial=0.0))
+        late = np.flatnonzero(miss > size)
+        A = np.block([[A, np.zeros((n, late.size))], [G[late], np.zeros((late.size, late.size))]])
+        B, C = np.vstack([B, (H - D)[late]]), np.hstack([C, np.zeros((len(self.y), late.size))])
+        C[late] = np.eye(n + late.size)[n:]
+        return A, B, C, D, late
 
     def _remarks(self, cells: np.ndarray, matrix: np.ndarray, kept: np.ndarray) -> list[str]:
         verdicts: dict[str, list[str]] = {}

@@ -213,6 +213,7 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
 
 
 def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances) -> Verification:
+    """What the run shows beside runs with half and, where they differ by much, a quarter of its steps."""
     scene = result.scene
     if not result.held or result.rows < 2:
         return Verification(False, "too many rows to compare in memory" if result.rows > 1 else "no two rows to compare")
@@ -224,50 +225,51 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     second, why = _again(scene, shorter(scene, 2))
     if second is None:
         return Verification(False, f"the run cannot be repeated with half its steps: {why.text}", unstable=why.unstable)
-    first_gap = differences(result, second)
-    of_quantities = _as_differences(distances(result, second))
+    gaps, of_quantities = differences(result, second), _as_differences(distances(result, second))
     third, unsure = None, ""
-    if (needs_third(first_gap) or of_quantities) and work.allows(each, 6.0):
+    if (needs_third(gaps) or of_quantities) and work.allows(each, 6.0):
         third, why = _again(scene, shorter(scene, 4))
-        unsure = (
-            f"a third run, with a quarter of the steps, failed ({why.text}): errors are those of two" if third is None else ""
-        )
-    shown = [r for r in (result, second, third) if r is not None]
-    signals = signal_errors(first_gap, differences(second, third) if third is not None else None)
+        if third is None:
+            unsure = f"a third run, with a quarter of the steps, failed ({why.text}): errors are those of two"
+    signals = signal_errors(gaps, differences(second, third) if third is not None else None)
     quantities = {}
     if of_quantities:
         errors = signal_errors(of_quantities, _as_differences(distances(second, third)) if third is not None else None)
         quantities[STEPS] = {name: e.rms for name, e in errors.items()}
     inside = substeps(scene)
     if inside and any(e.rms > WARN for e in signals.values()) and work.allows(each, 8.0):
-        signals = _with_shares(result, first_gap, signals)
-    figures = _figures(shown, unsure=needs_third(first_gap), parted=[name for name, e in signals.items() if e.parted])
-    parts: dict[str, Mapping[str, Difference]] = {}
-    not_refined = {}
-    for place, finer in refinements(scene).items() if wish == "full" else ():
-        refined, why = _again(scene, finer)
-        if refined is None:
-            not_refined[place] = why.text
-            continue
-        parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
-        if of_quantities:
-            quantities[place] = {name: SURE * d for name, d in distances(result, refined).items()}
-        figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
-    return Verification(
+        signals = _with_shares(result, gaps, signals)
+    runs = [r for r in (result, second, third) if r is not None]
+    verification = Verification(
         True,
         unsure,
         step=0.5 * scene.master.step,
         how="whole",
-        runs=len(shown),
+        runs=len(runs),
         signals=signals,
-        figures=figures,
+        figures=_figures(runs, unsure=needs_third(gaps), parted=[name for name, e in signals.items() if e.parted]),
         quantities=quantities,
-        parts=parts,
-        not_refined=not_refined,
         excerpt=excerpt(result, second, worst_of(signals)),
         unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN},
         inside=inside,
     )
+    return _refined(result, verification, distances) if wish == "full" else verification
+
+
+def _refined(result: Result, verification: Verification, distances: Distances) -> Verification:
+    """The verification with what each tolerance of the units makes of the errors."""
+    parts: dict[str, Mapping[str, Difference]] = {}
+    not_refined, figures, quantities = {}, verification.figures, dict(verification.quantities)
+    for place, finer in refinements(result.scene).items():
+        refined, why = _again(result.scene, finer)
+        if refined is None:
+            not_refined[place] = why.text
+            continue
+        parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
+        if quantities:
+            quantities[place] = {name: SURE * d for name, d in distances(result, refined).items()}
+        figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
+    return replace(verification, parts=parts, not_refined=not_refined, figures=figures, quantities=quantities)
 
 
 def _as_differences(distances: Mapping[str, float]) -> dict[str, Difference]:
@@ -290,10 +292,8 @@ def _with_shares(result: Result, gaps: Mapping[str, Difference], signals: Mappin
 
 
 def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = ()) -> dict[str, float]:
-    """Errors of the figures of a summary; none where there is no summary.
+    """Errors of the figures of a summary; none where there is no summary. All runs are read at the times of the first one's rows.
 
-    All runs are read at the times of the first one's rows. What lies between these rows, such as the largest value, shows where
-    each other row is left out, in the rows that the second run has between them, and where rows are filled up with a curve.
     parted: signals whose histories part: figures of their units have the error of their mean over parts of the run, and the
     difference of two runs, each as good as the other, counts once.
     """
@@ -302,18 +302,25 @@ def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = (
         same = [key_results(first), *(key_results(rows_of(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
     except BadInput:
         return {}
-    errors = figure_errors(same, unsure=unsure)
-    gaps = [_gaps(first, same[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
+    gaps = _between_rows(first, second, same)
+    errors = {
+        name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0)
+        for name, error in figure_errors(same, unsure=unsure).items()
+    }
+    if units := {first.scene.split(name)[0] for name in parted}:
+        gap, of_mean = same[0].gaps(same[1]), of_parts(first, key_results)
+        errors |= {n: max(of_mean[n], gap[n]) for n in errors if n in of_mean and n.rpartition(".")[0] in units}
+    return errors
+
+
+def _between_rows(first: Result, second: Result, figures: list[Figures]) -> list[Mapping[str, float]]:
+    """What lies between the rows of a run, such as the largest value: how far figures move where each other row is left out, in
+    the rows that the second run has between them, and where rows are filled up with a curve."""
+    gaps: list[Mapping[str, float]] = [_gaps(first, figures[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
     there = common_rows(first.time, second.time)[1]
     if there is not None and 2 * second.rows >= 3 * there.size:
-        gaps.append(_gaps(second, same[1], np.setdiff1d(np.arange(second.rows), there)))
-    gaps.append(between(first, same[0], key_results))
-    errors = {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
-    units, gap = {first.scene.split(name)[0] for name in parted}, same[0].gaps(same[1])
-    of_mean = of_parts(first, key_results) if units else {}
-    for name in (name for name in errors if name in of_mean and name.rpartition(".")[0] in units):
-        errors[name] = max(of_mean[name], gap[name])
-    return errors
+        gaps.append(_gaps(second, figures[1], np.setdiff1d(np.arange(second.rows), there)))
+    return [*gaps, between(first, figures[0], key_results)]
 
 
 def _gaps(result: Result, figures: Figures, rows: np.ndarray) -> dict[str, float]:

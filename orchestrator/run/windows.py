@@ -131,44 +131,51 @@ class Windows(BatchObserver):
 
     def compare(self, recorded: Chunks) -> WindowsResult:
         """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""
-        clock, names = self._stepping.clock, self._names
-        h, end = clock.seconds(self._stepping.stride), self._stepping.tick
-        rows: list[tuple[np.ndarray, np.ndarray]] = []
-        begins = np.array([clock.time(state.tick) for state in self._saved])
-        judged = np.where(begins > clock.time(0), JUDGED * self._steps, 0).astype(int)  # steps of a window before what is judged
+        h = self._stepping.clock.seconds(self._stepping.stride)
+        begins = np.array([self._stepping.clock.time(state.tick) for state in self._saved])
+        judged = np.where(begins > self._stepping.clock.time(0), JUDGED * self._steps, 0).astype(
+            int
+        )  # what is judged comes behind
         chosen = places(bends(recorded, begins + judged * h, begins + self._steps * h))
+        pairs, inside = self._repeated([self._saved[k] for k in chosen], h)
+        slower = tuple(name for k, name in enumerate(self._names) if all(_crossings(two[:, k]) < 2 for _, two in pairs))
+        differences, growing = {}, []
+        for k, name in enumerate(self._names):
+            one, two = (
+                np.concatenate([pair[i][judged[place] :, k] for place, pair in zip(chosen, pairs, strict=True)]) for i in (0, 1)
+            )
+            gap = difference(one, two, angle=name in self._angles)
+            if gap.rms > NEGLIGIBLE and self._grows([pair[0][:, k] - pair[1][:, k] for pair in pairs]):
+                growing.append(name)
+                longer = (self._stepping.end // self._stepping.stride) / self._steps
+                factor = max(min(longer, UNRELATED / gap.rms), 1.0)
+                gap = replace(gap, rms=factor * gap.rms, largest=factor * gap.largest)
+            differences[name] = gap
+        return WindowsResult(differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing), inside)
+
+    def _repeated(self, states: Sequence[State], h: float) -> tuple[list[tuple[np.ndarray, np.ndarray]], bool]:
+        """Signals of the windows from these states, with steps of h and of h/2 at the same instants; whether internal steps were
+        halved, too."""
+        end, pairs = self._stepping.tick, []
         with warnings.catch_warnings(), ExitStack() as stack:
             warnings.simplefilter("ignore")
             finer = self._finer(stack)
             try:
-                for state in (self._saved[k] for k in chosen):
+                for state in states:
                     one = self._stepped(self._course, state, h, self._steps)
-                    rows.append((one, self._stepped(finer, state, 0.5 * h, 2 * self._steps)[1::2]))
+                    pairs.append((one, self._stepped(finer, state, 0.5 * h, 2 * self._steps)[1::2]))
             finally:
                 self._stepping.tick = end  # the run has ended, whatever was repeated of it
                 for state in self._saved:
                     state.release()
-        slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
-        differences, growing, half = {}, [], int(JUDGED * self._steps)
-        longer = (self._stepping.end // self._stepping.stride) / self._steps
-        for k, name in enumerate(names):
-            one, two = (
-                np.concatenate([pair[i][judged[place] :, k] for place, pair in zip(chosen, rows, strict=True)]) for i in range(2)
-            )
-            gap = difference(one, two, angle=name in self._angles)
-            third, last = (
-                np.array([np.square((pair[0] - pair[1])[at, k]).mean() for pair in rows])
-                for at in np.array_split(np.arange(half, self._steps), 2)
-            )
-            grows = last > GROWING**2 * third  # in a window; one with an event in its last quarter does, and its run does not
-            if 2 * grows.sum() > grows.size and last.mean() > GROWING**2 * third.mean() and gap.rms > NEGLIGIBLE:
-                growing.append(name)
-                factor = max(min(longer, UNRELATED / gap.rms), 1.0)
-                gap = replace(gap, rms=factor * gap.rms, largest=factor * gap.largest)
-            differences[name] = gap
-        return WindowsResult(
-            differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing), finer is not self._course
-        )
+        return pairs, finer is not self._course
+
+    def _grows(self, gaps: Sequence[np.ndarray]) -> bool:
+        """Whether the difference of a signal grows from the third to the last quarter of most windows, and of all together: in one
+        with an event in its last quarter it does, and that of its run does not."""
+        half = np.arange(int(JUDGED * self._steps), self._steps)
+        third, last = (np.array([np.square(gap[at]).mean() for gap in gaps]) for at in np.array_split(half, 2))
+        return bool(2 * (last > GROWING**2 * third).sum() > last.size and last.mean() > GROWING**2 * third.mean())
 
     def _finer(self, stack: ExitStack) -> Course:
         """What makes steps with half of the internal steps; the run's own course where no unit has some, or states cannot go there."""

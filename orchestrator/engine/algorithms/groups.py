@@ -52,25 +52,14 @@ class StronglyConnectedGroup:
     """
 
     def __init__(self, nodes: Sequence[Node], network: Network):
-        interfaces = network.coupling.interfaces
-        self.nodes = list(nodes)
-        self._ends = list(network.positions)
-        owner = {k: i for i, node in enumerate(nodes) for k in range(node.place.start, node.place.stop)}
-        depths: list[int] = []
-        for i, node in enumerate(nodes):
-            depths.append(max((depths[owner[k]] + 1 for k in node.sources if owner.get(k, i) < i), default=0))
+        self.nodes, self._ends, interfaces = list(nodes), list(network.positions), network.coupling.interfaces
+        depths = _depths(self.nodes)
         self._levels = [[n for n, d in zip(nodes, depths, strict=True) if d == depth] for depth in sorted(set(depths))]
-        guessed: dict[int, tuple[Node, int] | None] = {}
-        for node, depth in zip(nodes, depths, strict=True):
-            for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
-                if k in owner and depths[owner[k]] >= depth and j not in node.held and guessed.get(k) is None:
-                    guessed[k] = (node, j) if link.factor else None
-        self.cut = list(guessed)
-        self._readers = list(guessed.values())
+        guessed = _guessed(self.nodes, depths)
+        self.cut, self._readers = list(guessed), list(guessed.values())
         self._least = np.array([interfaces[u].outputs[n].nominal for u, n in (self._ends[k] for k in self.cut)])
-        direct = [node for node in nodes if _answers_at_once(node, interfaces[node.unit.name])]
         # units that answer with what they held over the step; what they hand on belongs to its end
-        self._behind = [node for node in direct if not node.follows]
+        self._behind = [node for node in nodes if _answers_at_once(node, interfaces[node.unit.name]) and not node.follows]
         self._states: list[Any] = [None] * len(nodes)
         self._foresee = network.rows((FORESEE, [node for node in nodes if node.sources]))
         acts: list[tuple[int, Sequence[Node]]] = []
@@ -120,6 +109,29 @@ class StronglyConnectedGroup:
     def sweep(self, machine: Machine, t: float, h: float) -> None:
         """Step every unit once, towards what the table of signals says that its inputs will be."""
         machine.perform(self._sweep, t, h)
+
+
+def _owners(nodes: Sequence[Node]) -> dict[int, int]:
+    """Signal -> the place of the unit among `nodes` that gives it."""
+    return {k: i for i, node in enumerate(nodes) for k in range(node.place.start, node.place.stop)}
+
+
+def _depths(nodes: Sequence[Node]) -> list[int]:
+    """Levels: of each unit one more than the deepest of the earlier ones that feed it."""
+    owner, depths = _owners(nodes), list[int]()
+    for i, node in enumerate(nodes):
+        depths.append(max((depths[owner[k]] + 1 for k in node.sources if owner.get(k, i) < i), default=0))
+    return depths
+
+
+def _guessed(nodes: Sequence[Node], depths: Sequence[int]) -> dict[int, tuple[Node, int] | None]:
+    """Signals that feed backwards, each with a reader and the place of its input; None where no reader can tell the signal."""
+    owner, guessed = _owners(nodes), dict[int, tuple[Node, int] | None]()
+    for node, depth in zip(nodes, depths, strict=True):
+        for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
+            if k in owner and depths[owner[k]] >= depth and j not in node.held and guessed.get(k) is None:
+                guessed[k] = (node, j) if link.factor else None
+    return guessed
 
 
 def _answers_at_once(node: Node, interface: Interface) -> bool:

@@ -45,6 +45,16 @@ class Knowledge(Protocol):
         """Condition of a reference table -> the parameters that say so."""
 
 
+ERROR = {  # by which the page tells the error of a number
+    "sure": SURE,
+    "unsure": UNSURE,
+    "limit": ORDER_UNSURE,
+    "hardly": HARDLY,
+    "nothing": NOTHING,
+    "no_matter": NO_MATTER,
+}
+
+
 @dataclass(frozen=True)
 class Content:
     """The data of a page, and the modules by the number of their variant."""
@@ -77,34 +87,20 @@ def content_of(
     scene = scene.with_changes({"record.interval": None})
     say("running the scene once")
     result = run(scene, in_process=True)
-    if effects is None:
-        effects = table.effects
     machines = list(moves(result)) if result.time.size > 1 else []
     arrays = {name: result.snapshots[name].values.shape[1] for m in machines for name in m.snapshots.values()}
     elements = [f"{name}[{k}]" for name, size in arrays.items() for k in range(1, size + 1)]
     recorded = scene.with_changes({"record.signals": [*scene.record.signals, *elements]}) if scene.record.signals else scene
-    built = list(variants(recorded, switches(scene, effects, say), table.algorithms, say))
-    base = built[0].library
-    numbers = {v.scalar.name: v for v in _numbers(base, "PARAMETER")}
+    switched = switches(scene, table.effects if effects is None else effects, say)
+    built = list(variants(recorded, switched, table.algorithms, say))
+    numbers = {v.scalar.name: v for v in _numbers(built[0].library, "PARAMETER")}
     if parameters is None and table.parameters is not None:
         parameters = {name: _ends(scene, name, given, numbers) for name, given in table.parameters.items()}
-    ranges = parameters or {}
-    rows = [_parameter(v, ranges.get(name)) for name, v in numbers.items()]
-    rows = [row for row in rows if _acts(scene, row["name"], row["to"])]
+    rows = _rows(scene, numbers, parameters or {})
     names = [row["name"] for row in rows]
-    if unknown := [name for name in ranges if name not in names]:
-        raise BadInput(
-            "explore", f"parameter {unknown[0]!r}", "a real parameter that is not structural", nearest(unknown[0], names)
-        )
-    if parameters is not None:
-        first = list(parameters)
-    else:
+    if parameters is None:
         say("finding the parameters that move the figures most")
-        limits = {r["name"]: (-inf if r["low"] is None else r["low"], inf if r["high"] is None else r["high"]) for r in rows}
-        fixed = (*NUMERICAL, *getattr(knowledge, "FIXED", ()))
-        first = [n for n in screened(scene, {row["name"]: row["value"] for row in rows}, limits, jobs) if not _is_any(n, fixed)][
-            :FIRST
-        ]
+    first = list(parameters) if parameters is not None else _most_moving(scene, rows, getattr(knowledge, "FIXED", ()), jobs)
     steps = _steps(scene)
     figures = tuple(getattr(knowledge, "figures", lambda result: ())(result)) or figures_of_study(scene)
     reference, conditions = _table(scene, knowledge, result, {f.measure for f in figures if f.measure})
@@ -122,34 +118,41 @@ def content_of(
         "extrapolation": scene.master.extrapolation,
         "parameters": sorted(rows, key=lambda row: first.index(row["name"]) if row["name"] in first else len(first)),
         "first": first,
-        "signals": [
-            {
-                "name": v.scalar.name,
-                "unit": v.scalar.unit or "1",
-                "text": v.scalar.text,
-                "nominal": v.scalar.nominal,
-                "counts": v.scalar.type != "Real",
-            }
-            for v in _numbers(base, "OUTPUT")
-            if v.scalar.name not in elements
-        ],
+        "signals": [_signal(v) for v in _numbers(built[0].library, "OUTPUT") if v.scalar.name not in elements],
         "snapshots": elements,
         "machines": [m for machine in machines if (m := machine.formulas(result, names))],
         "figures": [f.to_json() for f in figures],
         "table": reference,
         "presets": presets,
         "settings": {key: value for key, value in scene.settings().items() if key != "explore"},
-        "error": {
-            "sure": SURE,
-            "unsure": UNSURE,
-            "limit": ORDER_UNSURE,
-            "hardly": HARDLY,
-            "nothing": NOTHING,
-            "no_matter": NO_MATTER,
-        },
+        "error": ERROR,
         "standings": STANDINGS,
     }
     return Content(data, [v.library.binaries["wasm32"] for v in built])
+
+
+def _rows(
+    scene: Scene, numbers: Mapping[str, NativeVariable], ranges: Mapping[str, tuple[float, float] | None]
+) -> list[dict[str, Any]]:
+    """The parameters of the page; raises `BadInput` for a range of none of them."""
+    described = [_parameter(v, ranges.get(name)) for name, v in numbers.items()]
+    rows = [row for row in described if _acts(scene, row["name"], row["to"])]
+    for name in ranges:
+        pick(name, [row["name"] for row in rows], "explore", "a real parameter that is not structural", "parameter")
+    return rows
+
+
+def _most_moving(scene: Scene, rows: Sequence[Mapping[str, Any]], fixed: Sequence[str], jobs: int | None) -> list[str]:
+    """The parameters that move the figures most."""
+    limits = {r["name"]: (-inf if r["low"] is None else r["low"], inf if r["high"] is None else r["high"]) for r in rows}
+    found = screened(scene, {row["name"]: row["value"] for row in rows}, limits, jobs)
+    return [name for name in found if not _is_any(name, (*NUMERICAL, *fixed))][:FIRST]
+
+
+def _signal(variable: NativeVariable) -> dict[str, Any]:
+    scalar = variable.scalar
+    counts = scalar.type != "Real"
+    return {"name": scalar.name, "unit": scalar.unit or "1", "text": scalar.text, "nominal": scalar.nominal, "counts": counts}
 
 
 def _number(scene: Scene, name: str, value: Any, numbers: Mapping[str, NativeVariable], where: str) -> float:
