@@ -42,7 +42,7 @@ from .recording import OutputFailed, ResultFiles
 from .results import Result
 from .rows import Rows
 from .run_info import CompileTime, describe_run
-from .run_record import BondEnergy, Counters, Resumed, RunRecord, SteppingRecord, Timing
+from .run_record import Counters, Resumed, RunRecord, SteppingRecord, Timing
 from .watch import Watch, measures_of
 from .windows import Windows, WindowsWish, obstacle
 
@@ -333,7 +333,7 @@ class Run:
             traceback=self.log,
             signal=self._signal.name if self.outcome == "stopped" else "",
             missed=self.watch.monitor.missed() if self.watch.monitor is not None else None,
-            energy={bond: BondEnergy(**energies) for bond, energies in self.account.report().items()} if self.account else {},
+            energy=self.account.report() if self.account else {},
             real_time=self.pacing.report() if self.pacing else None,
             checkpoints=self.checkpoints.report() if self.checkpoints else None,
             resumed=Resumed(at=past.t) if past else None,

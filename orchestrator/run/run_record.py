@@ -14,6 +14,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from ..engine.algorithms.energy import BondEnergy
 from ..engine.algorithms.initial import InitializationResult
 from ..output import write_json
 from ..units.fmu_messages import FmuLog
@@ -188,14 +189,6 @@ class Missed:
     input: str
     source: str
     share: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class BondEnergy:
-    """Energy through a bond in both directions, and what the coupling made there, J."""
-
-    exchanged: float
-    created: float
 
 
 @dataclass(frozen=True, kw_only=True)

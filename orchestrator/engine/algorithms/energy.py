@@ -9,6 +9,7 @@ power bonds in co-simulations" (Engineering with Computers 33, 2017, arXiv 1602.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -24,6 +25,14 @@ if COMPILED:
     from ....components.core.kept_kernels import call
 
 _enter = partial(call, enter_steps) if COMPILED else enter_steps
+
+
+@dataclass(frozen=True)
+class BondEnergy:
+    """What went through a bond in either direction, and what the coupling made of nothing on the way, J."""
+
+    exchanged: float
+    created: float
 
 
 class Sums(NamedTuple):
@@ -176,10 +185,10 @@ class EnergyAccount:
         if self.correction:
             self._owe()
 
-    def report(self) -> dict[str, dict[str, float]]:
-        """Energies by bond, J: what went through it in either direction, and what the coupling made of nothing on the way."""
+    def report(self) -> dict[str, BondEnergy]:
+        """Energies by bond."""
         return {
-            bond.text: {"exchanged": exchanged, "created": created}
+            bond.text: BondEnergy(exchanged, created)
             for bond, exchanged, created in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)
         }
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...engine.algorithms.energy import BondEnergy
 from ...engine.algorithms.initial import InitializationResult
-from ...run.run_record import BondEnergy, SteppingRecord
+from ...run.run_record import SteppingRecord
 from ...run.thresholds import ENERGY
 from ...settings import IterationSettings, SceneSettings
 from ..charts.blocks import Block, Cells, Facts, Text
