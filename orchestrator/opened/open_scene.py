@@ -76,7 +76,7 @@ class Course:
         """Back, or on, to a state."""
         holder: Steppable = self.stepping.master if isinstance(state.master, SavedAccount) else self.master
         holder.restore(state.master)
-        self.stepping.take(state.stepping)
+        self.stepping.set_state(state.stepping)
         self.stepping.tick = state.tick
 
     def stretch(self, h: float, steps: range) -> Steps:

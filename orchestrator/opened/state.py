@@ -18,7 +18,7 @@ class Inputs(dict[Endpoint, Any]):
         """For a saved state."""
         return [[*end, value] for end, value in self.items()]
 
-    def take(self, state: Sequence[Any]) -> None:
+    def set_state(self, state: Sequence[Any]) -> None:
         """Go on from a `state`."""
         self.clear()
         self.update({(unit, name): value for unit, name, value in state})

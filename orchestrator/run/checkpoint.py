@@ -38,7 +38,7 @@ class Part(Protocol):
     def state(self) -> Any:
         """Everything the rest of the run depends on."""
 
-    def take(self, state: Any) -> None:
+    def set_state(self, state: Any) -> None:
         """Go on from a `state`."""
 
 
@@ -201,9 +201,9 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
                 "Components run as FMUs or in process in both runs.",
             )
     _check_like(loop.master.state(), checkpoint.master, "a master")
-    loop.master.take(checkpoint.master)
+    loop.master.set_state(checkpoint.master)
     for name, part in parts.items():
-        part.take(checkpoint.parts[name])
+        part.set_state(checkpoint.parts[name])
     loop.tick = checkpoint.tick
 
 

@@ -96,7 +96,7 @@ class Recorder(BatchObserver):
     def forget(self, t: float) -> None:
         """Drop the rows behind t, s: the run has been taken back to there. For rows in memory."""
         self.flush()
-        self.table.take(self.table, int(np.searchsorted(joined(self.table)[0], t, side="right")))
+        self.table.copy_rows(self.table, int(np.searchsorted(joined(self.table)[0], t, side="right")))
         self._due, self._last = 0, -math.inf
 
     @property
@@ -139,7 +139,7 @@ class Recorder(BatchObserver):
         self.flush()
         return {"due": self._due, "last": self._last, "rows": self.table.state()}
 
-    def take(self, state: Mapping[str, Any]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`; raises `BadInput` where the rows are not stored where they were any more."""
         self._clear()
         self._due, self._last = state["due"], state["last"]

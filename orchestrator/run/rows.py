@@ -116,8 +116,8 @@ class Rows:
             _add(self._sums, time, values, texts)
         self.rows += time.size
 
-    def take(self, source: Rows, rows: int) -> None:
-        """Be the first rows of another table, or of this one, and none that came later. Raises `OSError`."""
+    def copy_rows(self, source: Rows, rows: int) -> None:
+        """Hold the first rows of another table, or of this one, and drop all later ones. Raises `OSError`."""
         chunks, target = source.chunks(), self._file
         self._file = target and target.with_suffix(".new")
         self.begin()
@@ -147,7 +147,7 @@ class Rows:
             if values.shape != (time.size, len(self.names)):
                 raise ValueError(f"rows of shape {values.shape}, expected {time.size, len(self.names)}")
             source.append(time, values, np.array(state["texts"], dtype=object).reshape(time.size, len(self.texts)))
-            self.take(source, time.size)
+            self.copy_rows(source, time.size)
             return
         directories = [d for d in (beside, Path(state["directory"])) if d is not None]
         files = [file for d in directories for file in (_stream(d, state["name"]), d / (state["name"] + PARQUET))]
@@ -163,7 +163,7 @@ class Rows:
                 "the result directory of its run, unchanged",
                 "Another run has written there, or it is damaged.",
             )
-        self.take(source, state["rows"])
+        self.copy_rows(source, state["rows"])
 
     def _digest_of(self, rows: int) -> bytes:
         """Of the first rows; the same in whatever chunks and format they are stored."""

@@ -193,7 +193,7 @@ class Windows(BatchObserver):
         """The signals behind each of n steps of a course from a state of the run, (n, signals)."""
         self._course.restore(state)
         if course is not self._course:
-            course.master.take(self._course.master.state())
+            course.master.set_state(self._course.master.state())
             course.stepping.tick = state.tick
         steps = course.stretch(h, range(n))
         if steps.failure is not None:

@@ -425,7 +425,7 @@ class Session(Estimating):
         if state.released or state.units != [node.unit for node in self._master.nodes]:
             raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
         self._course.restore(state)
-        self._inputs.take(state.inputs)
+        self._inputs.set_state(state.inputs)
 
     @property
     def _parts(self) -> dict[str, Part]:

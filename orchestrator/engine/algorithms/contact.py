@@ -39,9 +39,9 @@ class Forces:
 
     def __init__(self, degree: int):
         self.degree = degree
-        self.take(0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self.set_samples(0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def take(self, count: int, present: float, before: float, earlier: float, h1: float, h2: float) -> None:
+    def set_samples(self, count: int, present: float, before: float, earlier: float, h1: float, h2: float) -> None:
         """`count` samples, N, and the times between them, s."""
         self.count, self.present, self.before, self.earlier, self.h1, self.h2 = count, present, before, earlier, h1, h2
 
@@ -50,7 +50,7 @@ class Forces:
 
     def push(self, force: float, h: float) -> None:
         """Add a sample that lies h behind the newest one."""
-        self.take(min(self.count + 1, self.degree + 1), force, self.present, self.before, h, self.h1)
+        self.set_samples(min(self.count + 1, self.degree + 1), force, self.present, self.before, h, self.h1)
 
 
 class Side:
@@ -70,7 +70,7 @@ class Side:
         self.owed_motion = 0.0  # m and m/s, where the body will be once it has got what is owed to it
         self.owed_velocity = 0.0
 
-    def take(self, values: PortValues, picks: Sequence[int]) -> None:
+    def set_parts(self, values: PortValues, picks: Sequence[int]) -> None:
         """What the body gives now; picks: where among the contact's inputs, -1 for a part that it does not give."""
         self.parts = [values[k] if k >= 0 else 0.0 for k in picks]
 
@@ -113,7 +113,7 @@ class Side:
     def restore(self, state: list[Any]) -> None:
         """Take back what `save` gave."""
         others, self.parts, self.before, self.impulse, force, self.owed_motion, self.owed_velocity = state
-        self.others.take(*others)
+        self.others.set_samples(*others)
         self.line = Line(*force)
 
 
@@ -162,7 +162,7 @@ class ContactSimulator(PlainSimulator):
     def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         none = [0.0] * len(values)
         rows = zip(values, none if slopes is None else slopes, none if quadratic is None else quadratic, strict=True)
-        self._take([end_of(v, s, c, 2, h) for v, s, c in rows])
+        self._set_parts([end_of(v, s, c, 2, h) for v, s, c in rows])
 
     def step(self, t: float, h: float) -> None:
         """The force at the end of the step; only the interface model has more to ask."""
@@ -170,12 +170,12 @@ class ContactSimulator(PlainSimulator):
         self.steps += 1
 
     def update(self, values: PortValues) -> None:
-        self._take(values)
+        self._set_parts(values)
         self._press()
 
-    def _take(self, values: PortValues) -> None:
+    def _set_parts(self, values: PortValues) -> None:
         for side, picks in zip(self.sides, self._picks, strict=True):
-            side.take(values, picks)
+            side.set_parts(values, picks)
 
     def _press(self) -> None:
         first, second = self.sides
@@ -189,7 +189,7 @@ class ContactSimulator(PlainSimulator):
 
         Accelerations among them have followed the force since it was computed.
         """
-        self._take(values)
+        self._set_parts(values)
         last, force = self.last, self.force
         for side in self.sides:
             if side.by_acceleration:
@@ -218,7 +218,7 @@ class ContactSimulator(PlainSimulator):
         """
         assert self.leader is not None
         h, leader, follower = self.last, self.sides[self.leader], self.sides[1 - self.leader]
-        leader.take(values, self._picks[self.leader])
+        leader.set_parts(values, self._picks[self.leader])
         force = self._end
         for _ in range(AGAIN if leader.parts[3] else 1):
             self._others[self.leader] = leader.answered(force, h, self.before_last)

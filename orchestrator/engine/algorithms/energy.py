@@ -165,21 +165,21 @@ class EnergyAccount:
     def restore(self, saved: SavedAccount) -> None:
         """As `Master.restore`, with the account."""
         self.master.restore(saved.master)
-        self._take_entries(saved.entries)
+        self._set_entries(saved.entries)
 
     def state(self) -> dict[str, Any]:
         """As `Master.state`, with the account."""
         return {"master": self.master.state(), "account": self._entries()}
 
-    def take(self, state: Mapping[str, Any]) -> None:
-        """As `Master.take`, with the account."""
-        self.master.take(state["master"])
-        self._take_entries(state["account"])
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """See `Master.set_state`; also the account."""
+        self.master.set_state(state["master"])
+        self._set_entries(state["account"])
 
     def _entries(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in STATE}
 
-    def _take_entries(self, entries: Mapping[str, Any]) -> None:
+    def _set_entries(self, entries: Mapping[str, Any]) -> None:
         for name in STATE:
             setattr(self, name, entries[name])
         if self.correction:

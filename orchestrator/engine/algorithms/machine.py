@@ -242,7 +242,7 @@ def _begin(node: Node, texts: Texts | None, t: float, _: float) -> None:
     node.unit.initialize(t, port_values(node.link_records["looked"]))
     node.read()
     if texts is not None:
-        texts.take(node.unit.name)
+        texts.read(node.unit.name)
 
 
 class Signals(Protocol):

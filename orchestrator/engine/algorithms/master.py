@@ -284,9 +284,9 @@ class Master:
         memory = self.algorithm.memory
         return {"units": units, "records": self.records.state(), "steps": self.steps, "jacobians": jacobians, "memory": memory}
 
-    def take(self, state: Mapping[str, Any]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`; raises `ValueError` where the master is of another size."""
-        self.records.take(state["records"])
+        self.records.set_state(state["records"])
         for node, packed in zip(self.nodes, state["units"], strict=True):
             saved = node.unit.unpack(packed)
             node.unit.restore(saved)

@@ -164,7 +164,7 @@ class Records:
         """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""
         return self.block.memory.view(np.int64)[self._changing]
 
-    def take(self, state: np.ndarray) -> None:
+    def set_state(self, state: np.ndarray) -> None:
         """Go on from a `state` of the same scene; raises `ValueError` for one of another size."""
         if state.dtype != np.int64 or state.shape != self._changing.shape:
             raise ValueError(f"a master of {state.size} cells, not {self._changing.size}")

@@ -172,6 +172,6 @@ class Controller:
         """What the next choices depend on, for a checkpoint."""
         return {name: value for name, value in vars(self).items() if name not in ("unit", "longest")}
 
-    def take(self, state: Mapping[str, float]) -> None:
+    def set_state(self, state: Mapping[str, float]) -> None:
         """Go on from a `state`."""
         vars(self).update(state)

@@ -33,7 +33,7 @@ class Texts:
         if unit in self._taken:
             self._units[unit].set_texts([self._values[source] for source in self._taken[unit]])
 
-    def take(self, unit: str) -> None:
+    def read(self, unit: str) -> None:
         """Ask a unit for the texts that it gives."""
         if unit in self._given:
             for name, value in zip(self._given[unit], self._read[unit](), strict=True):
@@ -42,6 +42,6 @@ class Texts:
     def hand_over(self) -> None:
         """All texts, from all that give some to all that take some."""
         for unit in self._given:
-            self.take(unit)
+            self.read(unit)
         for unit in self._taken:
             self.give(unit)

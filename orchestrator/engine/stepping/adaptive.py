@@ -254,13 +254,13 @@ class AdaptiveStepping(Stepping):
             "behind_event": self._behind_event,
         }
 
-    def take(self, state: Mapping[str, Any]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
         self._behind_event = state["behind_event"]
         if self._crossings is not None:
             self._crossings.signs = list(state["signs"])
         if self.control is not None:
-            self.control.take(state["control"])
+            self.control.set_state(state["control"])
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""

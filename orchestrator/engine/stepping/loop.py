@@ -91,7 +91,7 @@ class Steppable(Protocol):
     def state(self) -> dict[str, Any]:
         """What the next steps depend on, the states of the units included, as numbers, texts, bytes and arrays for a file."""
 
-    def take(self, state: Mapping[str, Any]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state` of the same scene; raises `ValueError` or `KeyError` where it does not fit."""
 
     def take_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
@@ -216,7 +216,7 @@ class Stepping:
         """What the next steps depend on beside tick and master, for a checkpoint."""
         return {}
 
-    def take(self, state: Mapping[str, Any]) -> None:
+    def set_state(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`."""
 
     # -- batches -----------------------------------------------------------------------------------------------------
