@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import nan
 
 from ..run.comparison import SURE, Difference, SignalError
-from ..run.run_record import Excerpt, ParametersRecord, PartRecord, VerificationRecord, Windows, known
+from ..run.run_record import Excerpt, ParametersRecord, PartRecord, VerificationRecord, WindowsRecord, known
 from .mesh import MeshError
 from .parameter_errors import ParameterErrors
 
@@ -83,7 +83,7 @@ class Verification:
         parameters = self.parameters.record if self.parameters is not None else ParametersRecord()
         if not self.done:
             return VerificationRecord(done=False, why=self.why, parameters=parameters)
-        windows = Windows(begins=self.windows, length=self.length, slower=self.slower, growing=self.growing)
+        windows = WindowsRecord(begins=self.windows, length=self.length, slower=self.slower, growing=self.growing)
         worst = {place: self.worst_of_part(place) for place in self.parts}
         return VerificationRecord(
             done=True,

@@ -42,7 +42,7 @@ from .recording import OutputFailed, ResultFiles
 from .results import Result
 from .rows import Rows
 from .run_info import CompileTime, describe_run
-from .run_record import Counters, Resumed, RunRecord, SteppingRecord, Timing
+from .run_record import Counters, Resumed, RunRecord, SteppingRecord, RunTiming
 from .watch import Watch, measures_of
 from .windows import Windows, WindowsWish, obstacle
 
@@ -399,10 +399,10 @@ class Run:
         """What comes from here on is stepping, until this is called again."""
         self._since, self._cpu, self._compiled = perf_counter(), process_time(), self.compiling.spent
 
-    def _timing(self) -> Timing:
+    def _timing(self) -> RunTiming:
         start, run, cpu = self._since - self.started, self._until[0] - self._since, self._until[1] - self._cpu
         (real, used), (whole, whole_used) = self._compiled, self.compiling.spent
-        return Timing(
+        return RunTiming(
             simulated=self.clock.seconds(self.stepping.tick),
             start=max(start - real, 0.0),
             compile=whole,

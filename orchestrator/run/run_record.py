@@ -40,8 +40,8 @@ class SignalRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Windows:
-    """Windows that were repeated: their begins and their length, s; signals that are slower than one, and that grow in one."""
+class WindowsRecord:
+    """WindowsRecord that were repeated: their begins and their length, s; signals that are slower than one, and that grow in one."""
 
     begins: tuple[float, ...]
     length: float
@@ -114,7 +114,7 @@ class VerificationRecord:
     runs: int = 0
     signals: Mapping[str, SignalRecord] = field(default_factory=dict)
     figures: Mapping[str, Known] = field(default_factory=dict)
-    windows: Windows | None = None
+    windows: WindowsRecord | None = None
     quantities: Mapping[str, Mapping[str, Known]] = field(default_factory=dict)
     mesh: MeshRecord = field(default_factory=MeshRecord)
     parts: Mapping[str, PartRecord] = field(default_factory=dict)
@@ -127,7 +127,7 @@ class VerificationRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Timing:
+class RunTiming:
     """Simulated time, and real time for starting, compiling and stepping, s; compilation is in `compile` alone.
 
     cpu: CPU time of this process for stepping.
@@ -241,7 +241,7 @@ class RunRecord:
     counters: Counters = field(default_factory=lambda: Counters(master={}, units={}))
     initial_values: tuple[InitializationResult, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
-    timing: Timing | None = None
+    timing: RunTiming | None = None
     traceback: str = ""
     signal: str = ""
     missed: Missed | None = None

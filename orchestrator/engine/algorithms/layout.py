@@ -22,7 +22,7 @@ def lay_out(network: Network, end: float, groups: Sequence[tuple[Sequence[int], 
     end: s, of the run; groups: as of `Records`.
     """
     laid = _Layout(network)
-    laid.records = records = laid.made(groups)
+    laid.records = records = laid.records_for(groups)
     records.memory.units["every"], records.memory.units["stop"] = 1, end
     laid.write_histories()
     laid.write_nodes()
@@ -50,7 +50,7 @@ class _Layout:
         maps = [(self._first_links[k] + i, link.map) for k, node in enumerate(nodes) for i, link in enumerate(node.links)]
         self._mapped = [(row, pairs) for row, pairs in maps if pairs]
 
-    def made(self, groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]]) -> Records:
+    def records_for(self, groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]]) -> Records:
         """Records of the sizes that are needed."""
         network, rated, coupling = self._network, self._rated, self._network.coupling
         owners = [(network.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]

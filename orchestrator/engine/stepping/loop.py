@@ -227,8 +227,8 @@ class Stepping:
         n, before = self._size(master, (last - tick) // length, needs)
         taken, unseen = self._taken(length, n, needs)
         if before is not None:
-            found = [o.first_violation(unseen) for o, need in zip(observers, needs, strict=True) if need.finds]
-            if steps := [step for step in found if step is not None]:
+            violations = [o.first_violation(unseen) for o, need in zip(observers, needs, strict=True) if need.finds]
+            if steps := [step for step in violations if step is not None]:
                 self._restore(before)
                 self._take_batch(master, length, tick + (min(steps) + 1) * length, observers)
                 return

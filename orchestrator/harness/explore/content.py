@@ -145,8 +145,8 @@ def _rows(
 def _most_moving(scene: Scene, rows: Sequence[Mapping[str, Any]], fixed: Sequence[str], jobs: int | None) -> list[str]:
     """The parameters that move the figures most."""
     limits = {r["name"]: (-inf if r["low"] is None else r["low"], inf if r["high"] is None else r["high"]) for r in rows}
-    found = screened(scene, {row["name"]: row["value"] for row in rows}, limits, jobs)
-    return [name for name in found if not _is_any(name, (*NUMERICAL, *fixed))][:FIRST]
+    ranked = screened(scene, {row["name"]: row["value"] for row in rows}, limits, jobs)
+    return [name for name in ranked if not _is_any(name, (*NUMERICAL, *fixed))][:FIRST]
 
 
 def _signal(variable: NativeVariable) -> dict[str, Any]:
