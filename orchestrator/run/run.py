@@ -42,7 +42,7 @@ from .recording import OutputFailed, ResultFiles
 from .results import Result
 from .rows import Rows
 from .run_info import CompileTime, describe_run
-from .run_record import Counters, Resumed, RunRecord, SteppingRecord, RunTiming
+from .run_record import Counters, Resumed, RunRecord, RunTiming, SteppingRecord
 from .watch import Watch, measures_of
 from .windows import Windows, WindowsWish, obstacle
 

@@ -27,7 +27,7 @@ FORMER = {
     "ComponentUnit": "ComponentSimulator",
     "FmuUnit": "FmuSimulator",
     "WorkerUnit": "WorkerSimulator",
-    "idle": "steps_not_needed",
+    "idle": "needs",
     "Misses": "ExtrapolationError",
     "Chain": "StronglyConnectedGroup",
     "told_late": "why_it_grows",

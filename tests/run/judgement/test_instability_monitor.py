@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.engine.algorithms import Master
+from cosimo.orchestrator.engine.stepping.loop import Needs
 from cosimo.orchestrator.judgement.advice import remedy
 from cosimo.orchestrator.run.instability import InstabilityMonitor
 from cosimo.orchestrator.run.run import run
@@ -105,7 +106,7 @@ def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
     run(scene)
     with_it, batches[:] = len(batches), []
     monkeypatch.setattr(InstabilityMonitor, "__call__", lambda self, tick, t: None)
-    monkeypatch.setattr(InstabilityMonitor, "steps_not_needed", lambda self, tick, length: 1_000_000)
+    monkeypatch.setattr(InstabilityMonitor, "needs", lambda self, tick, length: Needs())
     run(scene)
     assert len(batches) <= with_it <= len(batches) + len(looks)
     assert len(looks) <= 6000 / 29 + 4

@@ -153,6 +153,6 @@ def test_growth_beyond_bounds_is_seen_without_a_repetition(steps):
 
 def test_without_a_repetition_a_run_warns_that_it_is_not_verified():
     short = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.005, 40), in_process=True, verify="no")
-    assert short.info.warnings == ["not verified, as requested: the errors of the results are not known"]
+    assert short.info.warnings == ("not verified, as requested: the errors of the results are not known",)
     lost = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.11, 100), in_process=True, verify="no")  # decays, but nothing is foretold
     assert "extrapolation misses mass.base_force_x by" in lost.info.warnings[-1]

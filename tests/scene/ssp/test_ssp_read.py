@@ -205,7 +205,7 @@ def test_what_fits_nothing_or_is_driven_is_left_out_with_a_remark(load):
     vain, driven = scene.remarks
     assert vain.endswith("values left out at 'b' because they fit no variable: 'coutn', 'v0', 'v1', 'v2', 'v3', ...")
     assert driven.endswith("values left out at 'b' because they are of inputs that a connection drives: 'u'")
-    assert run(scene).info.warnings[:2] == list(scene.remarks)
+    assert run(scene).info.warnings[:2] == scene.remarks
     assert scene.with_changes({"stop_time": 2.0}).remarks == scene.remarks
 
 
