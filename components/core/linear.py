@@ -32,10 +32,9 @@ def solve_dense(A, b):
             b[k], b[pivot] = b[pivot], b[k]
         for i in range(k + 1, n):
             factor = A[i, k] / A[k, k]
-            if factor != 0.0:
-                for j in range(k + 1, n):
-                    A[i, j] -= factor * A[k, j]
-                b[i] -= factor * b[k]
+            for j in range(k + 1, n):  # where the factor is 0, too: its derivative may not be
+                A[i, j] -= factor * A[k, j]
+            b[i] -= factor * b[k]
     for k in range(n - 1, -1, -1):
         for j in range(k + 1, n):
             b[k] -= A[k, j] * b[j]

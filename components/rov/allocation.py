@@ -17,25 +17,26 @@ from ..core.kernels import kernel
 THRUSTERS = 6  # of a vehicle without further ones
 NOTHING = 1e-10  # of the largest singular value: smaller ones count as zero
 SWEEPS = 40  # at most; six or so are needed
+FINE = 2.0**32  # to so fine a part of its scale a guess is rounded
 
 
 def allocation_of(matrix: np.ndarray, priority: np.ndarray, choice: int) -> np.ndarray:
     """Thrusts per wrench, (n, 6), of `fill_allocation`, for studies."""
     n = matrix.shape[1]
     table = np.zeros((n, 6))
-    fill_allocation(table, matrix, priority, choice, np.zeros((6, n + 6)))
+    fill_allocation(table, matrix, priority, choice, np.zeros((4, n, n + 6)))
     return table
 
 
 @kernel
-def fill_allocation(table, matrix, priority, choice, work):
+def fill_allocation(table, matrix, priority, choice, room):
     """Thrusts per wrench into table, (n, 6), for the thrusters that are available: bit i of choice is thruster i.
 
-    matrix: wrench per thrust, (6, n).  priority: weight of an axis's error, (6,).  work: (6, n + 6). Of thrusts that do as well,
+    matrix: wrench per thrust, (6, n).  priority: weight of an axis's error, (6,).  room: (4, n, n + 6). Of thrusts that do as well,
     the smallest. It is the pseudo-inverse of the weighted matrix W: rotations J of its rows make them orthogonal to each other,
     G = J W (Jacobi's method of one side), and W⁺ is the sum of G_k' J_k / |G_k|² over the rows that are not zero.
     """
-    n = matrix.shape[1]
+    n, work = matrix.shape[1], room[0]
     for j in range(6):
         for i in range(n):
             work[j, i] = priority[j] * matrix[j, i] if choice >> i & 1 else 0.0
@@ -61,7 +62,62 @@ def fill_allocation(table, matrix, priority, choice, work):
         if size > NOTHING * NOTHING * largest:
             for i in range(n):
                 for k in range(6):
-                    table[i, k] += work[j, i] / size * work[j, n + k] * priority[k]
+                    table[i, k] += work[j, i] / size * work[j, n + k]
+    for j in range(6):
+        for i in range(n):
+            room[1, j, i] = priority[j] * matrix[j, i] if choice >> i & 1 else 0.0
+    polish_inverse(table, room[1], room[2], room[3])
+    for i in range(n):
+        for k in range(6):
+            table[i, k] *= priority[k]
+
+
+@kernel
+def polish_inverse(inverse, matrix, left, right):
+    """The pseudo-inverse P, (n, 6), of W, (6, n), from one that is nearly right: to rounding, and with its derivative.
+
+    P + P (W P)' S - R R' P with S = 1 - W P and R = 1 - P W squares the error of P, and its derivative by W is that of the
+    pseudo-inverse, whatever that of P is, as long as the rank is the same. The rotations have no derivative where singular values
+    coincide, as they do in a regular arrangement; so P is rounded first, and has none.
+    matrix, left, right: (n, n + 6), matrix with W in its first rows and columns, the rest is room.
+    """
+    n = inverse.shape[0]
+    size = 0.0
+    for j in range(6):
+        for i in range(n):
+            size += matrix[j, i] * matrix[j, i]
+    if size == 0.0:
+        return
+    fine = FINE * math.sqrt(size)
+    for i in range(n):
+        for k in range(6):
+            left[k, i] = inverse[i, k] = math.floor(fine * inverse[i, k] + 0.3) / fine  # 0.3: a zero is not at a jump
+    for j in range(6):
+        for k in range(6):
+            matrix[j, n + k] = 1.0 if j == k else 0.0
+            for i in range(n):
+                matrix[j, n + k] -= matrix[j, i] * left[k, i]
+    for j in range(6):
+        for k in range(6):
+            left[j, n + k] = matrix[j, n + k]
+            for m in range(6):
+                left[j, n + k] -= matrix[m, n + j] * matrix[m, n + k]
+    for i in range(n):
+        for m in range(n):
+            right[i, m] = 1.0 if i == m else 0.0
+            for j in range(6):
+                right[i, m] -= left[j, i] * matrix[j, m]
+    for i in range(n):
+        for k in range(6):
+            right[i, n + k] = 0.0
+            for m in range(n):
+                right[i, n + k] += right[m, i] * left[k, m]
+    for i in range(n):
+        for k in range(6):
+            for j in range(6):
+                inverse[i, k] += left[j, i] * left[j, n + k]
+            for m in range(n):
+                inverse[i, k] -= right[i, m] * right[m, n + k]
 
 
 @kernel

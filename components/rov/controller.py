@@ -217,7 +217,7 @@ class RovController(SampledComponent):
             "matrix": (6, n),
             "table": (n, 6),
             "choice": np.zeros(1, dtype=np.int64),
-            "allocation": (6, n + 6),
+            "allocation": (4, n, n + 6),
             "refused": 4,
             "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None,
         }

@@ -2,12 +2,13 @@
 
 Signals have exact derivatives (`tangent_run`). A figure is a function of the signals: its derivative is that of the function along their
 tangents, by central differences in the space of signals, at two lengths that agree to many digits since nothing but the function is
-repeated. Where decisions stand at their very boundary, the runs on either side tell whether a derivative holds, for one side, or not.
+repeated. Where decisions stand at their very boundary, the runs on either side tell whether a derivative holds, for one side, or not;
+where it holds for none, those close to the boundary are tried, each on its side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from math import isfinite, isnan, nan
@@ -31,6 +32,9 @@ from .tangent_run import TangentRows, TangentScene
 
 STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {**KINDS, "last": lambda values: values[-1]}
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
+CLOSE = 1e-9  # to a boundary, relative to the parameter: derivatives there are those of its side
+SAID = 0.05  # of a derivative: runs that resolve no more say nothing of one that counts
+COUNTS = 1e-6  # of a figure: what the whole parameter moves it by at least, where that counts
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
 Measure = Callable[[Result], Figures]
@@ -179,13 +183,16 @@ def slopes_of(
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
-        slopes_along = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
+        ways = [_along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])]
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
+        if sides is not None and not all(_fits(d, side, at[name], v).any() for d, side, v in _each(ways[0][0], sides, values)):
+            ways += _close(base, tangents, figures, values, name, at[name])
         for i, (figure, value) in enumerate(values.items()):
-            derivative, error, smooth = (of_all[i] for of_all in slopes_along)
+            derivative, error, smooth = (of_all[i] for of_all in ways[0])
             how = EXACT if smooth else "the figure itself jumps or bends there"
             if sides is not None:
-                how = _verdict(derivative, *sides[:, :, i].tolist())
+                chosen, how = _verdict([way[0][i] for way in ways], sides[:, :, i], at[name], value)
+                derivative, error, _ = (of_all[i] for of_all in ways[chosen])
             if not isfinite(derivative):
                 how = "infinite, or not a number"
             known = how in (EXACT, LEFT, RIGHT)
@@ -251,16 +258,45 @@ def _beside(scene: Scene, figures: Measure, values: Figures, name: str, at: floa
     return sides
 
 
-def _verdict(derivative: float, below: Sequence[float], above: Sequence[float]) -> str:
-    """What runs on either side of a boundary say of a derivative."""
-    fits = [abs(derivative - d) <= AGREE * max(abs(derivative), abs(d)) + 2.0 * unsure for d, unsure in (below, above)]
-    if fits[0] and fits[1]:
-        return EXACT
-    if fits[0] or fits[1]:
-        return LEFT if fits[0] else RIGHT
-    if isnan(below[0]) and isnan(above[0]):
-        return "no other value comes to its end in this scene"
-    return f"a decision stands at its boundary; runs give {below[0]:.4g} below and {above[0]:.4g} above"
+def _each(derivatives: np.ndarray, sides: np.ndarray, values: Figures) -> Iterator[tuple[float, np.ndarray, float]]:
+    """Of each figure its derivative, what runs give on either side, (2, 2), and its value."""
+    yield from zip(derivatives.tolist(), np.moveaxis(sides, 2, 0), values.values(), strict=True)
+
+
+def _close(
+    base: Result, tangents: TangentScene, figures: Measure, values: Figures, name: str, at: float
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """As `_along`, of the derivatives close below and above a boundary; NaN where a side cannot run, or is another run at once."""
+    none = np.full(len(values), nan)
+    beside = [(none, none, none)] * 2
+    for side, way in enumerate((-CLOSE, CLOSE)):
+        with suppress(BadInput, StepFailed):
+            rows = tangents.beside(name, way * (abs(at) or 1.0))
+            recorded = _recorded(base, tangents, rows)
+            beside[side] = _along(base, {s: t[:, 0] for s, t in recorded.items()}, figures, values, name, at)
+    return beside
+
+
+def _fits(derivative: float, sides: np.ndarray, at: float, value: float) -> np.ndarray:
+    """Whether a derivative is what runs below, above say, (2,).  sides: (2, 2) differences, and what they do not resolve."""
+    differences, unsure = sides.T
+    size = np.maximum(abs(derivative), np.abs(differences))
+    silent = (unsure > SAID * size) & (unsure * (abs(at) or 1.0) > COUNTS * abs(value))
+    return ~silent & (np.abs(derivative - differences) <= AGREE * size + 2.0 * unsure)
+
+
+def _verdict(derivatives: Sequence[float], sides: np.ndarray, at: float, value: float) -> tuple[int, str]:
+    """What runs on either side of a boundary say of derivatives at it, and close below and above: which one holds, and how."""
+    fits = [_fits(derivative, sides, at, value) for derivative in derivatives]
+    if fits[0].all() or (len(fits) > 1 and fits[2].all()):
+        return (0 if fits[0].all() else 2), EXACT
+    for which, side, how in ((0, 1, RIGHT), (0, 0, LEFT), (2, 1, RIGHT), (1, 0, LEFT)):
+        if which < len(fits) and fits[which][side]:
+            return which, how
+    below, above = sides[:, 0].tolist()
+    if isnan(below) and isnan(above):
+        return 0, "no other value comes to its end in this scene"
+    return 0, f"a decision stands at its boundary; runs give {below:.4g} below and {above:.4g} above"
 
 
 def _by_differences(scene: Scene, figures: Measure, by: Sequence[str] | None, share: float) -> Gradient:

@@ -144,6 +144,16 @@ class TangentScene:
             time, values, np.concatenate([p.tangents for p in batches], axis=2), np.concatenate([p.at_tie for p in batches])
         )
 
+    def beside(self, parameter: str, way: float) -> TangentRows:
+        """As `run` by one parameter, so far from its value: close to a boundary, the derivatives are those of this side."""
+        numbers, cell = self._image.view(np.float64), self._place_of(parameter)
+        value = numbers[cell]
+        numbers[cell] += way
+        try:
+            return self.run([parameter])
+        finally:
+            numbers[cell] = value
+
     def recorded(
         self, point: Mapping[str, float], parameters: Sequence[str]
     ) -> tuple[Result, list[dict[str, np.ndarray]], np.ndarray]:

@@ -1,15 +1,20 @@
 """How many real parameters of the shipped scenes have exact derivatives: each against differences of runs, over 60 macro steps.
 
-python -m cosimo.tests.campaigns.derivatives > docs/development/derivatives.md      # the page; some minutes, more where nothing is kept
-python -m cosimo.tests.campaigns.derivatives SCENE ...                              # rows of its table
+python -m cosimo.tests.campaigns.derivatives --kept FOLDER SCENE ...     # judge scenes, anew, and keep what is found
+python -m cosimo.tests.campaigns.derivatives --kept FOLDER > docs/development/derivatives.md    # the page of all that is kept
+
+A scene takes ten seconds to some minutes, so a change is judged by the scenes that it touches.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
 import re
 import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.scene.files import scene_files
@@ -24,10 +29,11 @@ Made by `python -m cosimo.tests.campaigns.derivatives`. Each real parameter of e
 steps: the derivatives of all recorded signals against central differences at two to six distances, and against those of either side. The
 differences are of runs without derivatives.
 
-- *Exact*: to 1e-5 of each signal, behind what differences resolve.
-- *One-sided*: the parameter stands at a boundary of the model, such as a contact point on a node of the mesh. The derivative holds on
-  one side, and is marked so.
-- *Refused*: neither side agrees, as with the rate of a joint that sticks. `cosimo gradient` gives the reason instead of a number.
+- *Exact*: to 1e-5 of each signal, behind what differences resolve. Where a decision stands at its boundary, only if differences
+  resolve a twentieth of what counts.
+- *One-sided*: the parameter stands at a boundary of the model, such as a contact point on a node of the mesh, or a joint with dry
+  friction at rest. The derivative, or that of a run close beside the boundary, holds on one side at least, and is marked so.
+- *Refused*: no side agrees. `cosimo gradient` gives the reason instead of a number.
 - *Wrong*: a derivative that disagrees and is not marked.
 
 Counted apart: *numerics* (`substep`, `tolerance`, `period` of sampled components), and *fixed* parameters, which have no other value in
@@ -49,8 +55,10 @@ def row_of(name: str, verdicts: Mapping[str, Verdict]) -> str:
 
 
 def named(verdicts: Mapping[str, Verdict], kind: str) -> str:
-    """Parameters of a kind; elements of an array together."""
-    return ", ".join(dict.fromkeys(re.sub(r"\[\d+\]$", "[]", n) for n, one in verdicts.items() if one.kind == kind))
+    """Parameters of a kind, by the reason where there is one; elements of an array together."""
+    some = [(one.why, re.sub(r"\[\d+\]$", "[]", n)) for n, one in verdicts.items() if one.kind == kind]
+    reasons = {why: ", ".join(dict.fromkeys(n for w, n in some if w == why)) for why, _ in some}
+    return "; ".join(f"{why}: {names}" if why else names for why, names in reasons.items())
 
 
 def page(found: Mapping[str, Mapping[str, Verdict] | str]) -> str:
@@ -79,21 +87,36 @@ def page(found: Mapping[str, Mapping[str, Verdict] | str]) -> str:
     return "\n".join(lines)
 
 
-def find(names: Iterable[str]) -> dict[str, Mapping[str, Verdict] | str]:
-    """What each scene gives; a row to the error stream as it is known."""
-    found: dict[str, Mapping[str, Verdict] | str] = {}
+def find(names: Iterable[str], folder: Path) -> None:
+    """Keep what each scene gives; a row to the error stream as it is known."""
+    folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         try:
-            found[name] = some = judged(name)
-            print(row_of(name, some), file=sys.stderr, flush=True)
+            verdicts = judged(name)
+            found, shown = {n: list(one) for n, one in verdicts.items()}, row_of(name, verdicts)
         except (BadInput, StepFailed) as error:
-            found[name] = error.actual if isinstance(error, BadInput) else str(error)
-            print(f"| {name} | {found[name]} |", file=sys.stderr, flush=True)
+            found = error.actual if isinstance(error, BadInput) else str(error)
+            shown = f"| {name} | {found} |"
+        (folder / f"{name}.json").write_text(json.dumps(found))
+        print(shown, file=sys.stderr, flush=True)
+
+
+def kept(folder: Path) -> dict[str, Mapping[str, Verdict] | str]:
+    """What scenes gave that are shipped still."""
+    found: dict[str, Mapping[str, Verdict] | str] = {}
+    for file in sorted(folder.glob("*.json")):
+        if file.stem in scene_files():
+            some = json.loads(file.read_text())
+            found[file.stem] = some if isinstance(some, str) else {n: Verdict(*one) for n, one in some.items()}
     return found
 
 
 if __name__ == "__main__":
-    if sys.argv[1:]:
-        find(sys.argv[1:])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("scenes", nargs="*")
+    parser.add_argument("--kept", type=Path, required=True)
+    arguments = parser.parse_args()
+    if arguments.scenes:
+        find(arguments.scenes, arguments.kept)
     else:
-        print(page(find(sorted(scene_files()))))
+        print(page(kept(arguments.kept)))

@@ -104,7 +104,7 @@ def judged(course: Course, cell: int, exact: np.ndarray, told: bool, of_state: b
         y, reached = course.run(cells, (cell, way) if of_state else None)
         return y if reached == status else None
 
-    return verdict(exact, base, at, abs(course.begin[cell]) if abs(course.begin[cell]) > 1e-3 else 1.0, told)
+    return verdict(exact, base, at, [abs(course.begin[cell]) if abs(course.begin[cell]) > 1e-3 else 1.0], told)
 
 
 def verdicts(course: Course) -> Iterator[tuple[int, Verdict]]:

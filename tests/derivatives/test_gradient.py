@@ -62,6 +62,18 @@ def test_a_derivative_at_a_boundary_is_refused_or_one_sided():
     assert np.isnan(slope.derivative) or slope.how.startswith("one-sided")
 
 
+def test_the_rate_of_a_joint_that_stands_still_has_a_derivative_on_its_side():
+    """A joint with dry friction that starts one way or the other: at rest neither is the derivative, close beside rest each is."""
+    scene = cosimo.load_scene("two-link-manipulator").with_changes({"stop_time": 0.05, "analysis.transient": 0.0})
+    figure, parameter = "arm.first_angle, last", "arm.start_first_rate"
+    slope = cosimo.gradient(scene, figure, parameter, halved=False)[figure, parameter]
+    runs = [cosimo.run(scene.with_changes({parameter: d}), in_process=True, verify="no") for d in (0.0, 1e-5, 2e-5)]
+    rest, near, far = (run["arm.first_angle"][-1] for run in runs)
+    assert slope.how == "one-sided, above"
+    assert slope.derivative == pytest.approx((4.0 * near - far - 3.0 * rest) / 2e-5, rel=1e-5)
+    assert slope.derivative > 1e-3
+
+
 @pytest.mark.parametrize(
     ("changes", "by", "words"),
     [

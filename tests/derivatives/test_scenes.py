@@ -19,6 +19,7 @@ if COMPILED:
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 STEPS = 60
+SIZES_OF_ZERO = 1e-3, 1.0
 NUMERICS = "numerics"  # a parameter that sets the numerical error alone, or when samples are taken
 SCENES = "ball-bearing-clearance", "outer-ring-defect", "lumped-catenary", "pipe-robot-level", "wrist-motion"
 
@@ -52,8 +53,15 @@ def judged(name: str) -> dict[str, Verdict]:
             def at(way: float, parameter: str = parameter, value: float = value) -> np.ndarray | None:
                 return numbers(parameter, value + way)
 
+            def beside(way: float, parameter: str = parameter) -> np.ndarray | None:
+                try:
+                    return tangents.beside(parameter, way).tangents[:, places, 0]
+                except StepFailed:
+                    return None
+
             exact, told = rows.tangents[:, places, k], bool(rows.at_tie[k])
-            verdicts[parameter] = verdict(exact, at(0.0), at, abs(value) or 1e-3, told)
+            sizes = [abs(value)] if value else SIZES_OF_ZERO
+            verdicts[parameter] = verdict(exact, numbers(parameter, value), at, sizes, told, beside)
             at(0.0)  # the next parameter finds this one as it was
     return verdicts
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 
+import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
@@ -76,3 +77,27 @@ def test_derivatives_that_are_rounding_alone_stand(name):
     with ExitStack() as stack:
         tangents = TangentScene(short(name, 2), stack)
         assert np.isfinite(tangents.run(tangents.parameters()).tangents).all()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("parameter", "signal"), [("controller.thruster_x[5]", "hull.pitch_rate"), ("tether.anchor_east", "tether.force_east")]
+)
+def test_an_exact_zero_decides_no_derivative(parameter, signal):
+    """Rows of a regular arrangement are orthogonal already; a tether in a plane has no slope across it."""
+    scene, d = short("rov-manoeuvre", 3), 1e-3
+    with ExitStack() as stack, cosimo.open(scene) as session:
+        tangents = TangentScene(scene, stack)
+        value, place = tangents.value(parameter), tangents.signals.index(tuple(signal.split(".")))
+        exact = tangents.run([parameter]).tangents[:, place, 0]
+        runs = []
+        for way in (d, -d):
+            session.reset()
+            session[parameter] = value + way
+            session.initialize()
+            session.record()
+            session.until(scene.stop_time)
+            runs.append(session.result()[signal])
+    differences = (runs[0] - runs[1]) / (2.0 * d)
+    assert np.max(np.abs(differences)) > 0.0
+    np.testing.assert_allclose(exact, differences, rtol=1e-5, atol=1e-5 * np.max(np.abs(differences)))
