@@ -195,7 +195,7 @@ class Estimate:
                 for n, s, u, g in zip(self.measured.signals, self.noise, self.measured.units, self.measured.noise, strict=True)
             },
             "suspects": [
-                {"name": s.name, "at": s.at, "change": s.change, "deviation": s.deviation, "gain": s.gain, "unit": s.unit}
+                {"name": s.name, "at": s.at, "change": s.value - s.at, "deviation": s.deviation, "gain": s.gain, "unit": s.unit}
                 for s in v.suspects
             ],
             "observability": {

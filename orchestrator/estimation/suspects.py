@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -26,23 +26,39 @@ OFFSET, DELAY = "offset of", "delay of"
 
 @dataclass(frozen=True)
 class Suspect:
-    """at: its value now.  change, deviation: what the measurement says it is off.  gain: log units that the change explains better."""
+    """at: its value now.  change, deviation: what the measurement says it is off.  low, high: values that it may have.
+
+    gain: log units that the change explains better; where it would leave its limits, a change to the limit.
+    """
 
     name: str
     unit: str
     at: float
     change: float
     deviation: float
+    low: float = -inf
+    high: float = inf
+
+    @property
+    def value(self) -> float:
+        """What would explain the measurement best, within its limits."""
+        return min(max(self.at + self.change, self.low), self.high)
 
     @property
     def gain(self) -> float:
-        return 0.5 * (self.change / self.deviation) ** 2 if isfinite(self.deviation) else 0.0
+        if not isfinite(self.deviation):
+            return 0.0
+        beyond = self.at + self.change - self.value
+        return 0.5 * max(self.change**2 - beyond**2, 0.0) / self.deviation**2
 
     def __str__(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
         now = "" if self.name.startswith((OFFSET, DELAY)) else f" instead of {self.at:.6g}"
-        value = f"{self.at + self.change:.4g} ± {self.deviation:.2g}{unit}{now}"
-        return f"{self.name} = {value} explains it better by {self.gain:.3g} log units"
+        if self.value != self.at + self.change:
+            text = f"{self.name} at its limit of {self.value:.4g}{unit}{now}"
+        else:
+            text = f"{self.name} = {self.value:.4g} ± {self.deviation:.2g}{unit}{now}"
+        return f"{text} explains it better by {self.gain:.3g} log units"
 
 
 @dataclass(frozen=True)
@@ -101,14 +117,15 @@ def judged(
     """What the innovations say of each, those that explain most first."""
     G, v = np.array(innovations.sensitivities), np.array(innovations.normalised)
     names = [*some.names, *(f"{OFFSET} {s}" for s in signals), *(f"{DELAY} {s}" for s in signals)]
-    own = [model.variable(n).unit for n in some.names] + [*units, *("s" for _ in signals)]
+    variables, open_ = [model.variable(n) for n in some.names], [(-inf, inf)] * (2 * len(signals))
+    own = [*(v.unit for v in variables), *units, *("s" for _ in signals)]
+    limits = [*((v.low, v.high) for v in variables), *open_]
     at = np.concatenate([some.at, np.zeros(2 * len(signals))])
     scale = np.concatenate([some.scale, np.ones(2 * len(signals))])
     suspects = []
     for k, name in enumerate(names):
         size = float(G[:, k] @ G[:, k])
         if size > 0.0 and isfinite(size):
-            suspects.append(
-                Suspect(name, own[k], float(at[k]), float(scale[k] * (G[:, k] @ v) / size), float(scale[k] / np.sqrt(size)))
-            )
+            change, deviation = float(scale[k] * (G[:, k] @ v) / size), float(scale[k] / np.sqrt(size))
+            suspects.append(Suspect(name, own[k], float(at[k]), change, deviation, *limits[k]))
     return sorted(suspects, key=lambda s: -s.gain)

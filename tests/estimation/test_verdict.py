@@ -6,6 +6,7 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.estimation.suspects import Suspect
 from cosimo.tests.estimation.oscillator import KICK, NOISE, SIGNAL, Oscillator
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
@@ -36,6 +37,24 @@ def test_a_wrong_damping_is_named_though_innovations_have_the_right_size():
     assert first.at + first.change == pytest.approx(0.4, abs=3.0 * first.deviation)
     assert "spring.damping" in str(found.verdict)
     assert "instead of 2" in str(found.verdict)
+
+
+def test_another_value_is_one_that_the_number_may_have():
+    """A truth that swings up by itself would need a negative damping: the verdict names the limit, and what that explains."""
+    swings = np.exp(0.1 * TRUTH.times) * 0.02 * np.sin(10.0 * TRUTH.times)
+    found = TRUTH.estimate(swings, TRUTH.scene(**{"spring.damping": 1.0}), suspected=["spring.damping"], states={})
+    first = next(s for s in found.verdict.suspects if s.name == "spring.damping")
+    assert first.at + first.change < 0.0
+    assert first.value == 0.0
+    assert 2.0 < first.gain < 0.5 * (first.change / first.deviation) ** 2
+    assert "spring.damping at its limit of 0 N.s/m instead of 1 explains it better" in str(found.verdict)
+
+
+def test_the_gain_of_a_limit_is_that_of_the_parabola_there():
+    free, held = Suspect("a.b", "N", 1.0, -2.0, 0.5), Suspect("a.b", "N", 1.0, -2.0, 0.5, low=0.0)
+    assert free.gain == pytest.approx(8.0)  # of -0.5 (d + 2)² / 0.25: from d = 0 to d = -2
+    assert held.gain == pytest.approx(8.0 - 2.0)  # and to d = -1
+    assert Suspect("a.b", "N", 0.0, -2.0, 0.5, low=0.0).gain == 0.0
 
 
 @pytest.mark.parametrize(

@@ -59,13 +59,10 @@ def check_cells(study: Estimate) -> Cells:
 def suspect_cells(study: Estimate) -> Cells:
     """Numbers that were doubted, those first that would explain more."""
     header = ("number", "now", "estimate ± standard deviation", "unit", "better by, log units")
-    rows = [
-        (s.name, f"{s.at:.6g}", shown(s.at + s.change, s.deviation), s.unit, f"{s.gain:.3g}")
-        for s in study.verdict.suspects[:MOST]
-    ]
+    rows = [(s.name, f"{s.at:.6g}", shown(s.value, s.deviation), s.unit, f"{s.gain:.3g}") for s in study.verdict.suspects[:MOST]]
     text = (
         "What the measurement says of numbers that were taken as known, one by one. An error that is small against its standard "
-        "deviation here stays unnoticed."
+        "deviation here stays unnoticed. A number that would leave its limits stands at the limit."
     )
     return Cells("Would another value explain it better?", header, rows, text, right=frozenset({1, 2, 4}), folded=study.explains)
 
