@@ -37,7 +37,7 @@ def estimate(
 
     Writes states.csv, innovations.csv, estimate.json and a page. Exit code 1 if the model does not explain the measurement.
     """
-    from ..harness.report.studies.estimate import for_estimate, parameter_cells
+    from ..harness.report.studies.estimate import figure_cells, for_estimate, parameter_cells
     from ..systems.many import estimate as find
 
     loaded = scene_of(scene, values, presets, {"master.step": step})
@@ -51,6 +51,8 @@ def estimate(
             print(answer.verdict)
         if answer.parameters:
             print_cells(parameter_cells(answer))
+        if answer.figures:
+            print_cells(figure_cells(answer))
         print_written(written)
     warn(answer.verdict.remarks)
     if not answer.explains:

@@ -86,11 +86,34 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class FigureBand:
+    """A figure: value, deviation, and 95 % between low and high, of the paths.
+
+    at_mean: of the smoothed means.  error: numerical, of the steps; NaN where it is not known.
+    """
+
+    name: str
+    unit: str
+    value: float
+    deviation: float
+    low: float
+    high: float
+    at_mean: float
+    error: float = float("nan")
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        numbers = {"value": self.value, "deviation": self.deviation, "low": self.low, "high": self.high}
+        return {**numbers, "unit": self.unit, "error": self.error if isfinite(self.error) else None}
+
+
+@dataclass(frozen=True)
 class Estimate:
     """An estimated state and its parameters.
 
     how: the filter.  names: of signals and states, with units by name.  history: over time, see `series` and `walk`.  learnt: the
-    same by the measurements up to each time alone.  noise: (k,) of the signals.  errors: numerical, rms over time, by name.
+    same by the measurements up to each time alone.  figures: of the scene, over all that was
+    measured.  noise: (k,) of the signals.  errors: numerical, rms over time, by name.
     """
 
     scene: Scene
@@ -105,6 +128,7 @@ class Estimate:
     innovations: Innovations
     noise: np.ndarray
     verdict: Verdict
+    figures: tuple[FigureBand, ...] = ()
     errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -149,6 +173,7 @@ class Estimate:
         lines = [f"<Estimate of {self.scene.name}: {self.how}>", str(self.verdict)]
         for p in self.parameters:
             lines.append(f"{p.name}: {shown(p.value, p.deviation)} {'' if p.unit == '1' else p.unit}".rstrip())
+        lines += [f"{f.name}: {shown(f.value, f.deviation)} {'' if f.unit == '1' else f.unit}".rstrip() for f in self.figures]
         return "\n".join([*lines, *self.verdict.remarks])
 
     def save(self, directory: str | Path) -> list[Path]:
@@ -190,6 +215,7 @@ class Estimate:
             "remarks": list(v.remarks),
             "checks": [{"test": c.name, "p": c.p, "holds": c.holds, "found": c.words} for c in v.checks],
             "parameters": {p.name: p.to_json() for p in self.parameters},
+            "figures": {f.name: f.to_json() for f in self.figures},
             "noise": {
                 n: {"deviation": float(s), "unit": u, "estimated": bool(np.isnan(g))}
                 for n, s, u, g in zip(self.measured.signals, self.noise, self.measured.units, self.measured.noise, strict=True)

@@ -14,6 +14,7 @@ from ..scene.scene import Scene
 from ..scene.shorter_steps import shorter
 from ..settings.estimate import EstimateSettings
 from .answer import Estimate
+from .figures import figure_bands
 from .filtered_scene import ENSEMBLE, EXTENDED, UNSCENTED, FilteredScene, PlanLike, plan_of
 from .filtering import Filter, history
 from .measurements import Data, Measurements, measurements_of
@@ -22,6 +23,7 @@ from .suspects import judged
 from .verdict import verdict
 
 NOISE_ROUNDS, NOISE_AGREES = 8, 0.02  # of the search for the noise; relative
+LARGE = 0.5  # standard deviations that a numerical error may have
 WORSE = 2.0  # log units that the error of the steps may take from the likelihood
 HOW = {EXTENDED: "extended Kalman filter", UNSCENTED: "unscented Kalman filter", ENSEMBLE: "ensemble of {}"}
 
@@ -119,6 +121,7 @@ class _Record:
             innovations,
             self.noise,
             replace(judgement, remarks=(*remarks, *judgement.remarks)),
+            figure_bands(filtered, done.track, filtered.where) if self.plan.smooth else (),
         )
 
 
@@ -139,7 +142,14 @@ def _with_numerical_errors(
     parameters = tuple(
         replace(p, error=2.0 * abs(p.value - h.value)) for p, h in zip(answer.parameters, halved.parameters, strict=True)
     )
+    again = {f.name: f.at_mean for f in halved.figures}
+    figures = tuple(replace(f, error=2.0 * abs(f.at_mean - again.get(f.name, np.nan))) for f in answer.figures)
+    large = [p.name for p in parameters if p.error > LARGE * p.deviation]
+    large += [f.name for f in figures if f.error > LARGE * f.deviation]
+    if large:
+        text = f"the numerical error of {', '.join(large)} is more than half of a standard deviation: reduce master.step"
+        answer = replace(answer, verdict=replace(answer.verdict, remarks=(*answer.verdict.remarks, text)))
     own, other = answer.history, halved.history
     change = np.array([np.interp(own.time, other.time, v) for v in other.values.T]).T - own.values
     errors = dict(zip(answer.names, 2.0 * np.sqrt(np.mean(change**2, axis=0)), strict=True))
-    return replace(answer, parameters=parameters, errors={n: float(e) for n, e in errors.items()})
+    return replace(answer, parameters=parameters, figures=figures, errors={n: float(e) for n, e in errors.items()})

@@ -83,6 +83,9 @@ class EstimateSettings(Model):
         default=None,
         description='parameters and inputs that the verdict doubts, also "unit.*"; default: those that the measurement sees most',
     )
+    figures: tuple[str, ...] = Field(
+        default=(), description='"unit.output, kind" beside the headline figures, such as "mass.base_x, maximum"; if smoothed'
+    )
     filter: Literal["", "extended", "unscented", "ensemble"] = Field(
         default="", description="default: extended; ensemble where a scene has too many states for it"
     )

@@ -31,6 +31,8 @@ def for_estimate(study: Estimate, directory: str | Path) -> Path:
     sections = [Section("Verdict", [*first, check_cells(study), *([suspect_cells(study)] if verdict.suspects else [])])]
     if study.parameters:
         sections.append(Section("Parameters", [parameter_cells(study), _walks(study)]))
+    if study.figures:
+        sections.append(Section("Key results", [figure_cells(study)]))
     sections.append(Section("Measurements", [_measured(study), _innovations(study)]))
     sections.append(Section("States", [_states(study)]))
     lead = f"{len(study.innovations.which)} measurements, {study.how}. Bands hold 95 %."
@@ -47,6 +49,25 @@ def parameter_cells(study: Estimate) -> Cells:
         return p.name, p.unit, shown(p.value, p.deviation), f"{p.low:.5g} … {p.high:.5g}", numerical, before
 
     return Cells("Parameters at the end", header, [row(p) for p in study.parameters], right=frozenset({2, 3, 4, 5}))
+
+
+def figure_cells(study: Estimate) -> Cells:
+    """Figures of the scene with their bands as a table."""
+    header = ("figure", "unit", "estimate ± standard deviation", "95 %", "numerical error")
+    rows = [
+        (
+            f.name,
+            f.unit,
+            shown(f.value, f.deviation),
+            f"{f.low:.5g} … {f.high:.5g}",
+            f"{f.error:.2g}" if isfinite(f.error) else "–",
+        )
+        for f in study.figures
+    ]
+    text = (
+        "Over the time that was measured, of paths that measurements leave possible: state, parameters and disturbances together."
+    )
+    return Cells("Key results", header, rows, text, right=frozenset({2, 3, 4}))
 
 
 def check_cells(study: Estimate) -> Cells:
