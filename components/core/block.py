@@ -30,6 +30,7 @@ if COMPILED:
     from .kept_kernels import LOCK, machine, machine_code
 
 CELL = 8  # bytes
+LINE = 8  # cells of a line of the cache; an array of several lines begins with one
 NOTHING: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 TIME = 0  # the cell that holds the time
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
@@ -89,7 +90,9 @@ class Block:
         changing = self.cells
         for name in constant:
             self._place(("s", name), getattr(s, name))
-        self.memory = np.zeros(self.cells)
+        room = np.zeros(self.cells + LINE)
+        first_line = -(room.ctypes.data // CELL) % LINE
+        self.memory = room[first_line : first_line + self.cells]
         self.address = self.memory.ctypes.data
         self._fields = s._fields
         self.s = type(s)(*(self._with_contents(("s", n), getattr(s, n)) for n in s._fields))
@@ -102,6 +105,8 @@ class Block:
                 self._place((*path, name), item)
         elif isinstance(value, np.ndarray):
             kind = "array" if value.shape or value.dtype.names is None else "record"
+            if value.nbytes >= LINE * LINE * CELL:
+                self.cells += -self.cells % LINE
             self._leaves[path] = Leaf(kind, self.cells, value.shape, value.itemsize)
             self.cells += max(1, -(-value.nbytes // CELL))
         elif value is None:

@@ -39,7 +39,6 @@ from .catenary_effects import (
 )
 from .contact import (
     add_contact,
-    at_contact,
     contact_compliance,
     contact_points,
     element_at,
@@ -48,9 +47,9 @@ from .contact import (
     hung_around,
     in_range,
     lateral_position,
-    wire_height,
+    wire_motion,
 )
-from .explicit import PAD, explicit_limit, explicit_steps, fill_diagonals
+from .explicit import BLOCK, explicit_limit, explicit_steps, fill_damping, fill_wire_rows, margin
 from .gust_loads import FIRST, LAST, SAMPLE, UNREADY, follow_gusts, gust_state, load_at
 from .gusts import ACROSS, Gusts, blow, empty_buffeting, raise_wind
 from .hung_line import HungLine, given_by
@@ -75,7 +74,7 @@ from .mesh import (
 from .moving_window import move_window, open_window, warn_of_narrow_window
 from .statics import PRESENT, UNBALANCED, add_ground, empty_balance, find_balance, put_droppers
 from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
-from .wires import Laws, Motion
+from .wires import Laws, Motion, contacts_at, last_step, row_length, state_rows
 
 WATCHED = 5  # supports whose uplift is an output
 SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
@@ -89,7 +88,7 @@ class Catenary(HungLine):
     for either wire, linear about the static equilibrium; a dropper pulls with F0 + k (u_messenger - u_contact), never
     below 0 if it can slacken. Both wires are fixed at the ends of the section. The contact force is an input: the
     partner owns the contact law. Numerics: linear elements with a mass between lumped and consistent that cancels the
-    leading dispersion error of space and time together, explicit (velocity Verlet) or implicit (generalised-alpha).
+    leading dispersion error of space and time together, explicit (leapfrog) or implicit (generalised-alpha).
     Defaults: the EN 50318:2002 reference model. Tensions, masses, span, dropper positions and stiffness, messenger support:
     read in two public sources (whether the support's 50 kN/m is in the standard itself is not known). No dropper and clamp
     masses, no damping of the supports: from memory. Element, substep and method: by error against work, docs/railway-contact.md.
@@ -119,7 +118,7 @@ class Catenary(HungLine):
         "limits",
         "refused",
         "gusts",
-        "diagonals",
+        "rows",
         "solver",
     )
     ports = {"contact": ("contact_position", "contact_force", "wire_height", "contact_compliance")}
@@ -222,8 +221,7 @@ class Catenary(HungLine):
         parameters alone is there.  `points`: see `contact_points`.  `lateral`:
         rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
-        what moves, see `explicit`.  `gusts`: the wind.  `diagonals`: stiffness of the wires for the explicit method; `solver`:
-        the implicit one.
+        what moves, see `explicit`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: the implicit one.
         """
         _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
@@ -249,14 +247,14 @@ class Catenary(HungLine):
         points = contact_points(OWN_POINT, e, len(layout.contact_lanes))
         reach = 3 if e.bending_stiffness is not None else 2  # nodes
         parts = [
-            3 * N,
+            in_python(contacts_at)(N),
             2 * len(points),
             0 if e.gusts is None else 3 + 2 * N,
             d if implicit else 0,
             0 if e.moving_window is None else 2,
         ]
         cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
-        band = (N, reach * W + 1)
+        band, beside = (N, reach * W + 1), in_python(margin)(W)
         return {
             "x": sum(parts),
             "ready": 1,
@@ -274,8 +272,8 @@ class Catenary(HungLine):
             "refused": 4,
             "window": 5 if e.moving_window is not None else None,
             "gusts": empty_buffeting(mesh, e.gusts.components, e.gusts.seed) if e.gusts is not None else None,
-            "work": (5, N) if implicit else (2, N + 2 * PAD * W),
-            "diagonals": None if implicit else (reach + 1, N + PAD * W),
+            "work": (5, N) if implicit else BLOCK + 5 * beside,
+            "rows": None if implicit else (reach + 3, in_python(row_length)(N) + beside),
             "solver": Solver(np.zeros(band), np.zeros(band), np.zeros(band), np.zeros(d), np.zeros(1)) if implicit else None,
         }
 
@@ -293,10 +291,16 @@ class Catenary(HungLine):
             warn_of_narrow_window(self.name, ahead, behind, self.arguments[0].window, float(self.mesh.position[-1]))
         return status
 
+    @property
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements, m, and velocities, m/s, of all degrees of freedom above the static equilibrium, (N,) each."""
+        q, w, a = in_python(state_rows)(self.x, N := self.mesh.mass.size)
+        return q.copy(), w + 0.5 * in_python(last_step)(self.x, N) * a
+
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
-        mesh, N = self.mesh, self.mesh.mass.size
-        q, v, mass = self.x[:N], self.x[N : 2 * N], np.where(np.isinf(mesh.mass), 0.0, mesh.mass)
+        mesh, (q, v) = self.mesh, self.motion
+        mass = np.where(np.isinf(mesh.mass), 0.0, mesh.mass)
         total = 0.5 * q @ (banded_product(stiffness_of_wires(mesh, 3), q) + mesh.ground * q) + 0.5 * v @ (mass * v)
         stretch = q[mesh.upper] - q[mesh.lower]
         tension = mesh.preload + mesh.dropper_stiffness * stretch
@@ -338,12 +342,11 @@ def put_outputs(t, mesh, s, p, e):
     """Outputs for the present state and inputs at the time t."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
     x, u, y, points = s.x, s.u[0], s.y, s.points
-    q, v = x[:N], x[N : 2 * N]
+    q = x[:N]
     for k in range(points.shape[0]):
         position, i, next_one, wire = u[points[k, 0]], points[k, 2], points[k, 3], points[k, 4]
-        y[i] = wire_height(position, q, wire, mesh)
-        y[i + next_one] = at_contact(position, v, wire, mesh)
-        y[i + 2 * next_one] = contact_compliance(x[3 * N + 2 * k + 1], position, wire, mesh)
+        y[i], y[i + next_one] = wire_motion(position, x, wire, mesh)
+        y[i + 2 * next_one] = contact_compliance(x[contacts_at(N) + 2 * k + 1], position, wire, mesh)
     for k in range(WATCHED):
         j = W * mesh.support[min(p.first_watched_support + k, mesh.support.size - 1)]
         y[OUT.support_uplift + k] = q[j]
@@ -403,8 +406,8 @@ def catenary_initialize(t, s, p, e):
             fill_stiffness(mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.length, s.balance.stiffness)
             if s.solver is not None:
                 start_solver(s.balance.stiffness, s.solver)
-            if s.diagonals is not None:
-                fill_diagonals(s.balance.stiffness, mesh.bending_gradient.size, s.diagonals)
+            if s.rows is not None:
+                fill_wire_rows(s.balance.stiffness, mesh, s.rows)
                 if beta > 0.0:
                     damped = beta * highest_eigenvalue(
                         s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1]
@@ -423,11 +426,12 @@ def catenary_initialize(t, s, p, e):
                     status = blow(e.gusts, unilateral, mesh, s.plan, s.grid, s.balance, s.space, refused)
                 if status == DONE:
                     status = raise_wind(e.gusts, mesh, s.plan, s.grid, s.gusts)
-            if s.diagonals is not None and status == DONE:
+            if s.rows is not None and status == DONE:
                 for j in range(nodal.shape[1]):
                     nodal[0, j] = mesh.ground_damping[j]
                     if e.gusts is not None:
                         nodal[0, j] += s.gusts.push[0, j]
+                fill_damping(alpha, nodal[0], mesh, s.rows)
                 s.limits[0] = explicit_limit(omega2, damped, nodal[0], mesh.inverse_mass)
                 if p.substep > s.limits[0]:
                     digits = 10.0 ** (2.0 - math.floor(math.log10(s.limits[0])))
@@ -449,7 +453,7 @@ def catenary_initialize(t, s, p, e):
             return OUT_OF_RANGE
         front, rear = max(front, position), min(rear, position)
         add_contact(position, u[0, points[k, 1]], nodal[0], points[k, 4], mesh)
-        x[3 * N + 2 * k] = position
+        x[contacts_at(N) + 2 * k] = position
     s.y[OUT.static_residual] = find_balance(nodal[0], unilateral, x[:N], mesh, s.balance)
     if math.isnan(s.y[OUT.static_residual]):
         return UNBALANCED
@@ -482,8 +486,8 @@ def catenary_step(t, h, s, p, e):
     status = DONE
     if s.solver is not None:
         status = implicit_steps(t, h, n, motion, mesh, s.solver, p.spectral_radius, laws)
-    if s.diagonals is not None:
-        status = explicit_steps(t, h, n, motion, mesh, s.diagonals, laws)
+    if s.rows is not None:
+        status = explicit_steps(t, h, n, motion, mesh, s.rows, laws)
     follow_contacts(h, s.x, s.u, s.points, mesh)
     put_outputs(t + h, mesh, s, p, e)
     return status

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..core.kernels import hold_inputs, kernel, kernel_tuple
 from .catenary_effects import FURTHER
-from .wires import dropper_tension, first_at_or_after
+from .wires import contacts_at, dropper_tension, first_at_or_after, last_step, state_rows
 
 SPEEDS = 33  # points of the table of the compliance
 FASTEST = 0.98  # of the wave speed: end of the table
@@ -85,9 +85,9 @@ def shape_weights(position, wire, mesh):
 
 
 @kernel
-def at_contact(position, u, wire, mesh):
-    """Displacement or velocity of a contact wire, u (N,), at a position."""
-    i, a, b, c, d = shape_weights(position, wire, mesh)
+def over_nodes(weights, u, wire, mesh):
+    """Displacement or velocity of a contact wire, u (N,), with the `shape_weights` of a position."""
+    i, a, b, c, d = weights
     W = mesh.bending_gradient.size
     j = W * i + 2 * wire
     value = b * u[j] + c * u[j + W]
@@ -111,11 +111,25 @@ def add_contact(position, load, force, wire, mesh):
 @kernel
 def wire_height(position, q, wire, mesh):
     """Height of a contact wire at a position, m: static shape plus displacement."""
-    i = element_at(position, mesh)
+    weights = shape_weights(position, wire, mesh)
+    return rest_height(position, weights[0], wire, mesh) + over_nodes(weights, q, wire, mesh)
+
+
+@kernel
+def rest_height(position, i, wire, mesh):
+    """Static shape of a contact wire at a position in element i, m."""
     s = (position - mesh.position[i]) / mesh.length[i]
     j = wire * mesh.position.size + i
-    shape = (1.0 - s) * mesh.height[j] + s * mesh.height[j + 1] - s * (1.0 - s) * mesh.bow[j]
-    return shape + at_contact(position, q, wire, mesh)
+    return (1.0 - s) * mesh.height[j] + s * mesh.height[j + 1] - s * (1.0 - s) * mesh.bow[j]
+
+
+@kernel
+def wire_motion(position, x, wire, mesh):
+    """Height of a contact wire at a position, m, and its vertical velocity, m/s, of the state x."""
+    N, weights = mesh.mass.size, shape_weights(position, wire, mesh)
+    q, w, a = state_rows(x, N)
+    height = rest_height(position, weights[0], wire, mesh) + over_nodes(weights, q, wire, mesh)
+    return height, over_nodes(weights, w, wire, mesh) + 0.5 * last_step(x, N) * over_nodes(weights, a, wire, mesh)
 
 
 @kernel
@@ -141,7 +155,7 @@ def follow_contacts(h, x, u, points, mesh):
     for k in range(mesh.fastest.size):
         fastest = max(fastest, mesh.fastest[k])
     for k in range(points.shape[0]):
-        i, position = 3 * mesh.mass.size + 2 * k, u[0, points[k, 0]]
+        i, position = contacts_at(mesh.mass.size) + 2 * k, u[0, points[k, 0]]
         speed = (position - x[i]) / h
         x[i] = position
         if abs(speed) <= fastest:

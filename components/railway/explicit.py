@@ -1,25 +1,59 @@
-"""Explicit integration of the wires: velocity Verlet with lumped masses."""
+"""Explicit integration of the wires: leapfrog with lumped masses, in one sweep along the rows of the state.
+
+    w = w + (d_before + d) / 2 a,   q = q + d w,   v = w + d/2 a,   a = (forces of q + beta v) / m - damping of v
+
+w is the velocity at the middle of a step, v that which the acceleration before the step predicts for its end: damping stays
+explicit and of second order. It is velocity Verlet with half of the kicks put together; that needs a second pass over the rows.
+What the sweep has read once stays in the processor's nearest cache until it is done with: displacements by block, `drift`, and
+behind them the pull of the wires, `kick`. What acts at a few nodes comes afterwards, as acceleration. Source: Verlet, leapfrog form.
+"""
 
 from __future__ import annotations
 
 import math
 
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
-from .contact import add_contact, element_at, in_range
-from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_state
+from .contact import element_at, in_range, shape_weights
+from .gust_loads import LOADS, accelerate_by_gusts, follow_gusts, gust_state
 from .moving_window import move_window
-from .wires import DENORMAL_GUARD, dropper_tension, first_at_or_after
+from .wires import DENORMAL_GUARD, dropper_tension, first_at_or_after, row_length, state_rows
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
+BLOCK = 512  # degrees of freedom from drift to kick; half and twice as many cost the same
 
 
 @kernel
-def fill_diagonals(band, W, diagonals):
-    """Upper band (N, 3 W + 1) of all wires by diagonals, (3 or 4, N + PAD W): row k has K[j, j + k W] at j + PAD W; before, 0."""
-    diagonals[:] = 0.0
-    for k in range(diagonals.shape[0]):
+def margin(W):
+    """Numbers before a row that is read to the left, too: `PAD` nodes, in whole lines of the cache."""
+    return row_length(PAD * W)
+
+
+@kernel
+def fill_wire_rows(band, mesh, rows):
+    """Upper band (N, 3 W + 1) of all wires by diagonals, and what forces are multiplied with, into rows (5 or 6, N and margin).
+
+    Row k has K[j, j + k W] at j + margin, 0 before. The last but one has 1/m; where a wire's end is clamped that of its clamp,
+    which takes the acceleration over. The last one is that of `fill_damping`.
+    """
+    W, first = mesh.bending_gradient.size, margin(mesh.bending_gradient.size)
+    rows[:] = 0.0
+    for k in range(rows.shape[0] - 2):
         for j in range(band.shape[0]):
-            diagonals[k, j + PAD * W] = band[j, k * W]
+            rows[k, first + j] = band[j, k * W]
+    over_mass = rows[rows.shape[0] - 2, first:]
+    for j in range(mesh.mass.size):
+        over_mass[j] = mesh.inverse_mass[j]
+    for k in range(mesh.clamped.size):
+        over_mass[mesh.clamped[k]] = mesh.inverse_mass[mesh.clamp[k]]
+
+
+@kernel
+def fill_damping(alpha, dashpots, mesh, rows):
+    """Damping of masses and at nodes over the mass, 1/s, into the last of `rows`; dashpots: (N,) N.s/m."""
+    first = margin(mesh.bending_gradient.size)
+    over_mass, rate = rows[rows.shape[0] - 2, first:], rows[rows.shape[0] - 1, first:]
+    for j in range(mesh.mass.size):
+        rate[j] = (alpha if mesh.inverse_mass[j] > 0.0 else 0.0) + dashpots[j] * over_mass[j]
 
 
 @kernel
@@ -36,84 +70,89 @@ def explicit_limit(omega2, damped, dashpots, inverse_mass):
 
 
 @kernel
-def drift(d, q, v, a, z, force, beta):
-    """Half a kick and the drift to the end of the step; z becomes q + beta (v + d/2 a), the force is cleared; all (n,)."""
+def drift(between, d, q, w, a, z, rate, beta):
+    """Kick over the time `between` the middles of two steps, drift over d; z becomes q + beta v, a the damping; all (n,)."""
     for j in range(q.size):
-        v[j] += 0.5 * d * a[j]
-        q[j] += d * v[j]
-        z[j] = q[j] + beta * (v[j] + 0.5 * d * a[j])
-        force[j] = DENORMAL_GUARD
+        w[j] += between * a[j]
+        q[j] += d * w[j]
+        v = w[j] + 0.5 * d * a[j]
+        z[j] = q[j] + beta * v
+        a[j] = -rate[j] * v
 
 
 @kernel
-def kick(j, end, d, v, a, z, force, inverse_mass, stiffness, alpha, W, bending):
-    """New acceleration from the wires' pull and the other forces, second half of the kick; degrees of freedom j to end - 1.
+def kick(j, end, at, z, a, rows, W, bending):
+    """Add the acceleration by the wires' pull; degrees of freedom j to end - 1, of which the first one is z[at]; rows: `fill_wire_rows`.
 
-    z: (N + 2 PAD W,), stiffness: (3 or 4, N + PAD W), see `fill_diagonals`. One sum over five nodes, or seven of beams: with
-    slopes and bending moments kept in between, the processor would load and store numbers for twice as long.
+    One sum over five nodes, or seven of beams: with slopes and bending moments kept in between, the processor would load and
+    store numbers for twice as long.
     """
-    m, i = end - j, j + PAD * W
-    point, over_mass, ac, vc = force[j:end], inverse_mass[j:end], a[j:end], v[j:end]
+    m, i = end - j, j + margin(W)
+    over_mass, ac = rows[rows.shape[0] - 2, i : i + m], a[j:end]
     # shifted views: plain indices, which LLVM can vectorize
-    own, right, further_right = stiffness[0, i : i + m], stiffness[1, i : i + m], stiffness[2, i : i + m]
-    left, further_left = stiffness[1, i - W : i - W + m], stiffness[2, i - 2 * W : i - 2 * W + m]
-    here, z_left, z_right = z[i : i + m], z[i - W : i - W + m], z[i + W : i + W + m]
-    z_further_left, z_further_right = z[i - 2 * W : i - 2 * W + m], z[i + 2 * W : i + 2 * W + m]
+    own, right, further_right = rows[0, i : i + m], rows[1, i : i + m], rows[2, i : i + m]
+    left, further_left = rows[1, i - W : i - W + m], rows[2, i - 2 * W : i - 2 * W + m]
+    here, z_left, z_right = z[at : at + m], z[at - W : at - W + m], z[at + W : at + W + m]
+    z_further_left, z_further_right = z[at - 2 * W : at - 2 * W + m], z[at + 2 * W : at + 2 * W + m]
     if bending is not None:
-        last_right, last_left = stiffness[3, i : i + m], stiffness[3, i - 3 * W : i - 3 * W + m]
-        z_last_left, z_last_right = z[i - 3 * W : i - 3 * W + m], z[i + 3 * W : i + 3 * W + m]
+        last_right, last_left = rows[3, i : i + m], rows[3, i - 3 * W : i - 3 * W + m]
+        z_last_left, z_last_right = z[at - 3 * W : at - 3 * W + m], z[at + 3 * W : at + 3 * W + m]
     for k in range(m):
         pull = own[k] * here[k] + (left[k] * z_left[k] + right[k] * z_right[k])
         pull += further_left[k] * z_further_left[k] + further_right[k] * z_further_right[k]
         if bending is not None:
             pull += last_left[k] * z_last_left[k] + last_right[k] * z_last_right[k]
-        ac[k] = (point[k] - pull) * over_mass[k] - alpha * (vc[k] + 0.5 * d * ac[k])
-        vc[k] += 0.5 * d * ac[k]
+        ac[k] += (DENORMAL_GUARD - pull) * over_mass[k]
 
 
 @kernel
-def add_clamped(z, force, first, end, stiffness, mesh):
-    """The pull of a wire's end acts on the node to which it is clamped, N; z, stiffness: as of `kick`."""
-    W = mesh.bending_gradient.size
-    for k in range(first, end):
-        j = mesh.clamped[k]
-        i = j + PAD * W
-        pull = stiffness[0, i] * z[i]
-        for reach in range(1, stiffness.shape[0]):
-            at = reach * W
-            pull += stiffness[reach, i - at] * z[i - at] + stiffness[reach, i] * z[i + at]
-        force[mesh.clamp[k]] += force[j] - pull
+def sweep(first, end, level, between, d, motion, mesh, rows, beta, bending):
+    """Drift and kick of the degrees of freedom first to end - 1, block by block.
 
-
-@kernel
-def follow_clamped(values, first, end, mesh):
-    """The end of a wire that is clamped to another one moves with it; first, end: of the clamps that take part."""
-    for k in range(first, end):
-        values[mesh.clamped[k]] = values[mesh.clamp[k]]
-
-
-@kernel
-def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
-    """n equal velocity-Verlet steps over h from the time t; motion, laws: see `wires`.
-
-    motion.x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].  motion.work: (2, N + 2 PAD W).
-    stiffness: as of `fill_diagonals`.
-
-    The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
-    Source: Verlet in kick-drift-kick form.
+    level: whether the wires beyond the first one, and beyond the last one, are level; else they are fixed at 0.
+    motion.work: (BLOCK and 5 margins,), displacements of a block and of what the kick behind it reads.
     """
+    N, W = mesh.mass.size, mesh.bending_gradient.size
+    q, w, a = state_rows(motion.x, N)
+    z, H, rate = motion.work, margin(W), rows[rows.shape[0] - 1, margin(W) :]
+    for i in range(2 * H):
+        z[i] = 0.0
+    done, j = first, first
+    while j < end:
+        e = min(j + BLOCK, end)
+        if end - e < 2 * H:
+            e = end
+        m = e - j
+        drift(between, d, q[j:e], w[j:e], a[j:e], z[2 * H : 2 * H + m], rate[j:e], beta)
+        if level[0] and j == first:
+            for i in range(PAD * W):
+                z[2 * H - 1 - i] = z[2 * H + W - 1 - i % W]
+        to = e - H
+        if e == end:
+            for i in range(PAD * W):
+                z[2 * H + m + i] = z[2 * H + m - W + i % W] if level[1] else 0.0
+            to = end
+        kick(done, to, 2 * H + done - j, z, a, rows, W, bending)
+        for i in range(2 * H):  # not by slices: they may overlap, and Numba would copy
+            z[i] = z[m + i]
+        done, j = to, e
+
+
+@kernel
+def explicit_steps(t, h, n, motion, mesh, rows, laws):
+    """n equal steps over h from the time t; motion, laws: see `wires`; rows: see `fill_wire_rows`; motion.work: see `sweep`."""
     N, nodes, W = mesh.mass.size, mesh.position.size, mesh.bending_gradient.size
     x, u, points = motion.x, motion.u, motion.points
-    q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    padded, force = motion.work[0], motion.work[1, :N]
-    z = padded[PAD * W : PAD * W + N]
-    alpha, beta = 0.0, 0.0
-    if laws.damping is not None:
-        alpha, beta = laws.damping.alpha, laws.damping.beta
+    q, w, a = state_rows(x, N)
+    over_mass = rows[rows.shape[0] - 2, margin(W) :]
+    beta = 0.0 if laws.damping is None else laws.damping.beta
     lo, hi = 1, nodes - 2
     first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
     first_clamp, end_clamp = 0, mesh.clamped.size
-    d = h / n
+    d, before = h / n, 3 * row_length(N)
+    for values in (q, w, a):
+        for k in range(mesh.clamped.size):  # as the wire that it is clamped to; from here on they move alike
+            values[mesh.clamped[k]] = values[mesh.clamp[k]]
     for step in range(n):
         s = (step + 1) * d
         front, rear = -math.inf, math.inf
@@ -131,41 +170,42 @@ def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
             first_support = max(first_at_or_after(mesh.support, lo), 1)
             end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)
             first_clamp, end_clamp = first_at_or_after(mesh.clamped, W * lo), first_at_or_after(mesh.clamped, W * hi + W)
-        here = slice(W * lo - W, W * hi + 2 * W)  # the moving nodes and one neighbour on either side
+        inside = lo > 1, hi < nodes - 2  # edges
+        first, end = W * lo if inside[0] else 0, W * hi + W
 
-        drift(d, q[here], v[here], a[here], z[here], force[here], beta)
-        follow_clamped(q, first_clamp, end_clamp, mesh)
-        follow_clamped(v, first_clamp, end_clamp, mesh)
-        follow_clamped(z, first_clamp, end_clamp, mesh)
-        if motion.window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
-            for j in range(W):
-                if lo > 1:
-                    for i in range(1, PAD + 1):
-                        padded[W * (PAD + lo - i) + j] = z[W * lo + j]
-                    force[W * lo + j] -= mesh.impedance[W * lo + j] * v[W * lo + j]
-                if hi < nodes - 2:
-                    for i in range(1, PAD + 1):
-                        padded[W * (PAD + hi + i) + j] = z[W * hi + j]
-                    force[W * hi + j] -= mesh.impedance[W * hi + j] * v[W * hi + j]
+        sweep(first, end, inside, 0.5 * (x[before] + d), d, motion, mesh, rows, beta, laws.bending)
+        x[before] = d
+        if motion.gusts is not None:
+            loads = x[gust_state(points, mesh) :]
+            share = follow_gusts(t + s, lo, hi, loads, mesh, motion.gusts)
+            one, other = loads[LOADS + first : LOADS + end], loads[LOADS + N + first : LOADS + N + end]
+            accelerate_by_gusts(share, one, other, over_mass[first:end], a[first:end])
         for k in range(first_dropper, end_dropper):
             change = dropper_tension(k, q, mesh, laws.slack) - mesh.preload[k]
-            force[mesh.lower[k]] += change
-            force[mesh.upper[k]] -= change
+            a[mesh.lower[k]] += change * over_mass[mesh.lower[k]]
+            a[mesh.upper[k]] -= change * over_mass[mesh.upper[k]]
         for k in range(first_support, end_support):
             for j in range(W * mesh.support[k], W * mesh.support[k] + W):
-                force[j] -= mesh.ground[j] * q[j] + mesh.ground_damping[j] * (v[j] + 0.5 * d * a[j])
+                a[j] -= over_mass[j] * mesh.ground[j] * q[j]
         for k in range(points.shape[0]):
             i, f = points[k, 0], points[k, 1]
             position = u[0, i] + s * (u[1, i] + s * u[2, i])
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
-            add_contact(position, load, force, points[k, 4], mesh)
-        if motion.gusts is not None:
-            moving, loads = slice(W * lo, W * hi + W), x[gust_state(points, mesh) :]
-            share = follow_gusts(t + s, lo, hi, loads, mesh, motion.gusts)
-            add_gusts(share, loads[LOADS : LOADS + N][moving], loads[LOADS + N : LOADS + 2 * N][moving], force[moving])
-            add_air_damping(d, v[moving], a[moving], motion.gusts.push[0][moving], force[moving])
-        add_clamped(padded, force, first_clamp, end_clamp, stiffness, mesh)
-        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, laws.bending)
+            e, at_left, here, there, at_right = shape_weights(position, points[k, 4], mesh)
+            j = W * e + 2 * points[k, 4]
+            a[j - W] += at_left * load * over_mass[j - W]
+            a[j] += here * load * over_mass[j]
+            a[j + W] += there * load * over_mass[j + W]
+            a[j + 2 * W] += at_right * load * over_mass[j + 2 * W]
+        for j in range(W):  # an edge inside the wire: a dashpot that lets waves out
+            if inside[0]:
+                a[first + j] -= over_mass[first + j] * mesh.impedance[first + j] * w[first + j]
+            if inside[1]:
+                a[end - 1 - j] -= over_mass[end - 1 - j] * mesh.impedance[end - 1 - j] * w[end - 1 - j]
+        for k in range(first_clamp, end_clamp):
+            a[mesh.clamp[k]] += a[mesh.clamped[k]]
+        for k in range(first_clamp, end_clamp):
+            a[mesh.clamped[k]] = a[mesh.clamp[k]]
     motion.counts[0] += n
     motion.counts[1] += n
     if not math.isfinite(q[W * element_at(position, mesh)]):

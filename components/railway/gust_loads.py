@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import kernel, kernel_tuple
+from .wires import contacts_at
 
 BEYOND = 32  # nodes that are kept ready on either side of those that move
 UNREADY = -1e9  # number of a sample that is never asked for
@@ -105,7 +106,7 @@ def follow_gusts(t, lo, hi, state, mesh, gusts):
 @kernel
 def gust_state(points, mesh):
     """Where in the catenary's state that of `follow_gusts` begins: behind that of the contact points."""
-    return 3 * mesh.mass.size + 2 * points.shape[0]
+    return contacts_at(mesh.mass.size) + 2 * points.shape[0]
 
 
 @kernel
@@ -116,10 +117,10 @@ def add_gusts(share, before, after, force):
 
 
 @kernel
-def add_air_damping(d, v, a, push, force):
-    """Subtract the damping of the air stream from the nodal forces, with the predicted velocity v + d/2 a; (k,) each."""
-    for j in range(force.size):
-        force[j] -= push[j] * (v[j] + 0.5 * d * a[j])
+def accelerate_by_gusts(share, before, after, over_mass, a):
+    """Add the gusts' loads over the masses to the accelerations, (k,) each."""
+    for j in range(a.size):
+        a[j] += over_mass[j] * (before[j] + share * (after[j] - before[j]))
 
 
 @kernel

@@ -12,7 +12,7 @@ from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
 from ..core.linear import factor_band, solve_band
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_gusts, follow_gusts, gust_state
-from .wires import DENORMAL_GUARD, add_jumps, tension_and_bending
+from .wires import DENORMAL_GUARD, add_jumps, state_rows, tension_and_bending
 
 RIGID_CLAMP = 1e10  # N/m, of a clamp between two wires; 1e5 times the stiffness of an element
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
@@ -80,14 +80,14 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 def implicit_steps(t, h, n, motion, mesh, solver, radius, laws):
     """n equal generalised-alpha steps over h from the time t; motion, laws: see `wires`.
 
-    motion.x: displacement, velocity, acceleration, (N,) each, contacts[, gusts], taut (d,).  motion.work: (5, N or more).
+    motion.work: (5, N or more).
     radius: spectral, of `generalized_alpha`.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
     """
     N, droppers, W = mesh.mass.size, mesh.dropper.size, mesh.bending_gradient.size
     x, u, points, work = motion.x, motion.u, motion.points, motion.work
     band, factors, factored = solver.band, solver.factors, solver.factored
-    q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[x.size - droppers :]
+    (q, v, a), taut = state_rows(x, N), x[x.size - droppers :]
     z, base, w, kink, b = work[0, :N], work[1, :N], work[2, :N], work[3, :N], work[4, :N]
     d = h / n
     method = generalized_alpha(d, radius)

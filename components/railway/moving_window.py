@@ -18,6 +18,7 @@ import numpy as np
 
 from ..core.kernels import kernel
 from .contact import element_at
+from .wires import LINE, row_length
 
 AHEAD, BEHIND, WANTED, COST_AHEAD, COST_BEHIND = range(5)  # of `window`: lengths in use and wanted, m, and their `echo`
 ENOUGH = 0.005  # error of the filtered contact force (rms) over its standard deviation
@@ -81,9 +82,11 @@ def move_window(front, rear, x, mesh, window):
     before = int(x[x.size - 2])
     lo = max(element_at(max(rear - window[BEHIND], 0.0), mesh), max(before, 1))
     hi = min(element_at(min(front + window[AHEAD], mesh.position[n - 1]), mesh) + 1, n - 2)
+    if lo > 1:
+        lo = max(lo - lo % LINE, max(before, 1))  # rows are swept from the beginning of a line of the cache
     for part in range(3):
         for j in range(W * max(before, 1), W * lo):
-            x[part * N + j] = 0.0
+            x[part * row_length(N) + j] = 0.0
     x[x.size - 2], x[x.size - 1] = lo, hi
     return lo, hi
 

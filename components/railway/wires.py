@@ -13,11 +13,42 @@ from ..core.kernels import kernel, kernel_tuple
 DENORMAL_GUARD = 1e-27
 
 
+LINE = 8  # numbers of a line of the cache, with which each row of the state begins
+
+
+@kernel
+def row_length(N):
+    """Numbers of a row of the state for N degrees of freedom, in whole lines of the cache."""
+    return N + (-N) % LINE
+
+
+@kernel
+def state_rows(x, N):
+    """Displacement q, m, velocity w, m/s, and acceleration a, m/s², (N,) each, of the state.
+
+    The explicit method has w at the middle of its last step d: the velocity is w + d/2 a. The implicit one has the velocity, d = 0.
+    """
+    S = row_length(N)
+    return x[:N], x[S : S + N], x[2 * S : 2 * S + N]
+
+
+@kernel
+def last_step(x, N):
+    """The step d of `state_rows`, s."""
+    return x[3 * row_length(N)]
+
+
+@kernel
+def contacts_at(N):
+    """Where place and speed of the contact points begin in the state, behind rows and last step."""
+    return 3 * row_length(N) + 1
+
+
 @kernel_tuple
 class Motion(NamedTuple):
     """The wires' state, which a step changes, and the m inputs that move them."""
 
-    x: np.ndarray  # state
+    x: np.ndarray  # state: see `state_rows`, `last_step`, `contacts_at`, `gust_loads.gust_state`; then window (2,), or taut (d,)
     u: np.ndarray  # (3, m)
     points: np.ndarray  # (p, 5) int, as of `contact.contact_points`
     work: np.ndarray

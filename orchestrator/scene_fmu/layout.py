@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...components.core.block import CELL, Block
+from ...components.core.block import CELL, LINE, Block
 from ...components.core.contract import KernelComponent
 from ...fmus.native.instance import Places, image_of
 from ...fmus.native.machine_code import Source, source_of
@@ -97,6 +97,7 @@ class Layout:
             assert component is not None
             component._prepare()
             assert component.block is not None
+            first += -first % LINE  # as the block's own arrays are placed
             key = type(component), tuple(component.block.in_order()), component.on
             if key not in layouts:
                 layouts[key] = len(sources)

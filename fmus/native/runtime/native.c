@@ -10,6 +10,7 @@
 #include <string.h>
 
 #define ADDRESS(m) ((int64_t)(intptr_t)(m)->block)
+enum { LINE = 64 }; /* bytes of a line of the cache */
 static const char *const CATEGORY[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 static const char *const PHASE[] = {"before initialization", "initialization mode", "step mode", "after a failure", "terminated",
                                     "after a discarded step"};
@@ -91,9 +92,10 @@ Instance *create(const char *name, const char *token, int logging, int fmi3, Log
     if (!token || strcmp(token, model_token))
         return report(&probe, ERROR, "instantiate: the %s is not %s, that of this library; modelDescription.xml belongs to another build",
                       fmi3 ? "instantiationToken" : "GUID", model_token), NULL;
-    m = malloc(sizeof *m + 8 * ((size_t)model_cells + model_variable_count));
+    m = malloc(sizeof *m + LINE + 8 * ((size_t)model_cells + model_variable_count));
     if (!m) return report(&probe, ERROR, "instantiate: no memory"), NULL;
     *m = probe;
+    m->block = (double *)(((uintptr_t)(m + 1) + LINE - 1) / LINE * LINE);
     m->kept = m->block + model_cells;
     m->phase = INSTANTIATED;
     m->stop = INFINITY;

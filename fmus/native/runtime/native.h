@@ -63,7 +63,7 @@ struct Instance {
     void *environment, *callback; /* of the host */
     char name[256];
     double *kept; /* outputs before the step that is under way, by value reference */
-    double block[];
+    double *block; /* at the beginning of a cache line, as the layout of its arrays asks for */
 };
 enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, FAILED = 8, TERMINATED = 16, DISCARDED = 32 };
 
