@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core.component import Preset
 from ..core.contract import Kernels, Refusal
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, in_python, kernel
@@ -37,6 +36,7 @@ from .catenary_effects import (
     Temperature,
     WireProfile,
 )
+from .catenary_presets import PRESETS
 from .contact import (
     add_contact,
     contact_compliance,
@@ -159,41 +159,7 @@ class Catenary(HungLine):
     static_residual = output("1", "unbalanced forces of the initial equilibrium over the dropper preloads (root sums of squares)")
     support_uplift = output("m", "uplift of the contact wire at a watched support, 0 beyond the end", nominal=0.05, size=WATCHED)
 
-    presets = {
-        "EN 50318:2002": Preset(
-            {"support_stiffness": 50e3, "dropper_stiffness": 100e3},
-            "the defaults: repository ChandraguptSharma07/faraway; script after Liu et al., Appl. Sci. 13 (2023) 6819",
-            "verbatim",
-            ("dropper_slackening", "gravity_sag"),
-        ),
-        "EN 50318:2018 AC simple": Preset(
-            {
-                "substep": 2.5e-4,
-                "span_length": 55.0,
-                "contact_wire_tension": 22e3,
-                "contact_wire_mass": 1.35,
-                "messenger_tension": 16e3,
-                "messenger_mass": 1.08,
-                "droppers": 9,
-                **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
-                "dropper_stiffness": 200e3,
-                "dropper_mass": 0.117,
-                "contact_clamp_mass": 0.165,
-                "messenger_clamp_mass": 0.195,
-                "support_stiffness": 500e3,
-                "support_damping": 1000.0,
-                "pre_sag.depth": 0.055,
-                "bending_stiffness.contact_wire": 195.0,
-                "bending_stiffness.messenger": 131.7,
-                "damping.alpha": 0.0125,
-                "damping.beta": 1e-4,
-            },
-            "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support "
-            "damping from memory, steady arm left out",
-            "unconfirmed",
-            ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping"),
-        ),
-    }
+    presets = PRESETS
 
     refusals = {
         SUBSTEP_TOO_LONG: Refusal(
