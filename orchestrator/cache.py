@@ -25,6 +25,7 @@ KINDS = {
     "effects": "sets of effects of scenes",
     "meshes": "errors that meshes of scenes make",
     "code": "digests of the code of components",
+    "states": "numbers of states of components",
     "lists": "names and titles of all components, scenes and cases",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger

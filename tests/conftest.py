@@ -3,9 +3,12 @@
 # ruff: noqa: E402
 import gc
 import os
+import shutil
 import signal
 import sys
+import tempfile
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 import cosimo
@@ -45,12 +48,17 @@ LONG = (
 
 
 def pytest_configure(config):
-    """One thread for BLAS, and signals that end a run.
+    """One thread for BLAS, signals that end a run, and byte code.
 
     Two processes share the cores. Threads of BLAS wait for one another by spinning: `expm` of a matrix of nine rows takes 2 ms of
     CPU and 10 ms in all, with one thread 16 us. Workers of xdist and processes that tests start inherit the variables.
     Tests that were started in the background or by `nohup` inherit ignored signals, which every run would respect.
+    Where no byte code shall be written beside the sources, that of this session stands in a folder of its own: hundreds of processes
+    would each compile the sources, which is two thirds of what a command like `cosimo list` takes.
     """
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", "") and "PYTHONPYCACHEPREFIX" not in os.environ:
+        folder = os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="cosimo-byte-code-")
+        config.add_cleanup(partial(shutil.rmtree, folder, ignore_errors=True))
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     for number in STOPPING:

@@ -20,12 +20,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 
-from .grammar import Function, Instruction, Operand, Unsupported, cells, functions, is_floating, lanes
+from .grammar import Function, Instruction, Operand, Unsupported, cells, functions, is_floating, lanes, typed
 from .numbers import Number, constant, intrinsic
 from .reading import MOVES, name_of, read
 from .rules import FLAT, KINKED, NO_NUMBERS, PARTIALS, SAME, SINGULAR
 
 PREFIX = "d."
+ELSEWHERE = "_kernel."  # in the name of a function whose derivative is in another module
 REST = "i64 %offset, i64 %stack, i64 %ties"  # behind the arguments of a derivative
 ZERO = "zeroinitializer"
 
@@ -36,10 +37,15 @@ def derived(text: str, width: int, ties: bool = True) -> str:
     ties: whether decisions at their very boundary are told.
     """
     text = re.sub(r" initializes\(\([^)]*\)(?:, \([^)]*\))*\)", "", text)
-    known = {f.name: f for f in functions(text)}
-    entries = (f for f in known.values() if not f.linkage)
+    here = list(functions(text))
+    elsewhere = list(declared_elsewhere(text))
+    known = {f.name for f in (*here, *elsewhere)}
     bodies = "\n".join(
-        [*(_Derivative(f, known, width, ties).text() for f in known.values()), *(_entry(f, width) for f in entries)]
+        [
+            *(_Derivative(f, known, width, ties).text() for f in here),
+            *(_entry(f, width) for f in here if not f.linkage),
+            *(_declared(f, width) for f in elsewhere),
+        ]
     )
     kept = [re.sub(r" #\d+$|, !.*$", "", line) for line in text.splitlines() if re.match(r"declare |@", line)]
     declared = {match[1] for line in kept if (match := re.match(r"declare .*?(@[^( ]+)\(", line))}
@@ -50,6 +56,13 @@ def derived(text: str, width: int, ties: bool = True) -> str:
             types = re.findall(r"(?:^|, )(<[^>]*>|double|ptr|i\d+)", given)
             kept.append(f"declare {kind} {name}({', '.join(types)})")
     return "\n".join(kept) + "\n" + bodies
+
+
+def declared_elsewhere(text: str) -> Iterable[Function]:
+    """Functions without a body here whose derivatives are in another module."""
+    for kind, name, arguments in re.findall(r"^declare (\S+) (@[^( ]+)\(([^\n]*)\)", text, re.M):
+        if ELSEWHERE in name:
+            yield Function("", name, kind, tuple(map(typed, arguments.split(", "))), ())
 
 
 def derivative_of(name: str) -> str:
@@ -64,7 +77,7 @@ def entry_of(name: str) -> str:
 
 def _entry(function: Function, width: int) -> str:
     given = ", ".join(f"{a.type} {a.value}" for a in function.arguments)
-    derivative = _Derivative(function, {}, width, False)
+    derivative = _Derivative(function, set(), width, False)
     handed = ", ".join(derivative._arguments(function.arguments, lambda a: ZERO))
     called = f"%status = call {function.type} {derivative_of(function.name)}({handed}, {REST})"
     return (
@@ -72,10 +85,16 @@ def _entry(function: Function, width: int) -> str:
     )
 
 
-class _Derivative:
-    """The derivative of one function."""
+def _declared(function: Function, width: int) -> str:
+    derivative = _Derivative(function, set(), width, False)
+    kinds = [kind for a in function.arguments for kind in (a.type, *[derivative.wide(a.type)] * is_floating(a.type))]
+    return f"declare {function.type} {derivative_of(function.name)}({', '.join(kinds)}, i64, i64, i64)"
 
-    def __init__(self, function: Function, known: dict[str, Function], width: int, ties: bool):
+
+class _Derivative:
+    """The derivative of one function. known: names of functions that have a derivative, here or elsewhere."""
+
+    def __init__(self, function: Function, known: set[str], width: int, ties: bool):
         self.function, self.known, self.width, self.ties = function, known, width, ties
         self.lines: list[str] = []
         self.names = self.stack = 0

@@ -27,7 +27,8 @@ from ...components.core.compiler import OPTIONS
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kept_kernels import check_result, kinds_of
-from ..derivatives.tangents import derivative_of, derived, entry_of
+from ..derivatives.grammar import functions
+from ..derivatives.tangents import ELSEWHERE, derivative_of, derived, entry_of
 from .kept_code import digest_of, load, save
 from .wide_pointers import widened
 
@@ -272,26 +273,59 @@ def _signature(source: Source, name: str) -> tuple[Any, ...]:
 
 
 def _compile(source: Source) -> str:
-    block, reached = source.block, reached_kernels(source.kernels.values())
-    compiled = (source.prefix, "\n".join(map(repr, block.in_order())), *source.kernels, *map(str, map(typeof, source.arguments)))
+    reached = reached_kernels(source.kernels.values())
+    compiled = (
+        source.prefix,
+        "\n".join(map(repr, source.block.in_order())),
+        *source.kernels,
+        *map(str, map(typeof, source.arguments)),
+    )
     digest = digest_of((*compiled, *source.kernels.values()), called_kernels, reached, source.owner)
     text = load(digest) if digest else None
     if text is None:
         texts = []
         for name, (code, symbol, kinds) in _kernels(source).items():
-            texts.append(
-                code
-                + f"""
-define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %address) {{
-%block = inttoptr i64 %address to ptr
-{block.body(name, kinds, symbol)}
-}}
-"""
-            )
+            texts.append(code + _entry(source, name, kinds, symbol))
         text = _linked(source, texts, [k.__name__ for k in reached])
         if digest:  # what is refused is not kept: the next refusal has to find its line again
             save(digest, text)
     return text
+
+
+def _entry(source: Source, name: str, kinds: Sequence[str], symbol: str) -> str:
+    """An entry that calls a kernel by its symbol. kinds: types of the kernel's arguments behind its times."""
+    return f"""
+define i32 @{source.prefix}_{name}({", ".join(source.block.entries[name])}, i64 %address) {{
+%block = inttoptr i64 %address to ptr
+{source.block.body(name, kinds, symbol)}
+}}
+"""
+
+
+def compile_apart(source: Source) -> tuple[str, str]:
+    """Kernels and entries in LLVM's language, as two modules: kernels of one type of arguments are the same for every block."""
+    reached, names = reached_kernels(source.kernels.values()), tuple(source.kernels)
+    compiled = ("apart", source.prefix, *names, *map(str, map(typeof, source.arguments)))
+    digest = digest_of((*compiled, *source.kernels.values()), called_kernels, reached, source.owner)
+    text = load(digest) if digest else None
+    if text is None:
+        texts = []
+        for name, (code, symbol, _) in _kernels(source).items():
+            module = llvm.parse_assembly(code)
+            kernel = module.get_function(symbol)
+            kernel.name, kernel.linkage = f"{source.prefix}{ELSEWHERE}{name}", "external"
+            texts.append(str(module))
+        text = _linked(source, texts, [k.__name__ for k in reached])
+        if digest:
+            save(digest, text)
+    entries = []
+    for function in functions(text):
+        symbol = function.name.strip('@"')
+        if (name := symbol.removeprefix(f"{source.prefix}{ELSEWHERE}")) in names:
+            kinds = tuple(a.type for a in function.arguments)
+            behind = kinds[2 + len(source.block.entries[name]) :]  # the result, what it raises, the times
+            entries.append(f"declare i32 {function.name}({', '.join(kinds)})\n{_entry(source, name, behind, symbol)}")
+    return text, str(llvm.parse_assembly("".join(entries)))
 
 
 def _kernels(source: Source) -> dict[str, tuple[str, str, tuple[str, ...]]]:

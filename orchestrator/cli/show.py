@@ -76,7 +76,7 @@ def show(
             raise BadInput(
                 "show", repr(name), "a component, a scene or a case", nearest(name, [*CATALOGUE, *scene_files(), *cases()])
             )
-    if name in cases():
+    if not component and name in cases():
         shown["reference"] = show_parts.reference_rows(name)
     if output is not None:
         if drawing is None:

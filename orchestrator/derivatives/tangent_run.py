@@ -17,7 +17,7 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ...fmus.derivatives.compiled import Arena, Compiled
 from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
-from ...fmus.native.machine_code import compile_entries
+from ...fmus.native.machine_code import compile_apart, compile_entries
 from ..engine.algorithms import Master
 from ..engine.algorithms.initial_kernels import SWEEPS
 from ..engine.algorithms.records import ABOUT_ZERO, GIVEN, STALLED, UNKNOWN
@@ -80,7 +80,7 @@ class TangentScene:
         self._circular = follow and bool(np.any(memory.groups["last"] - memory.groups["first"] > 1))
         self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), width)
         try:
-            master = [compile_entries(source) for source in layout.sources if source.prefix == "master"]
+            master = [text for source in layout.sources if source.prefix == "master" for text in compile_apart(source)]
             self._code = Compiled(self._texts(), width, without_ties=master)  # it looks whether numbers stand; that is no kink
         except Unsupported as error:
             raise BadInput(self._where, str(error), "instructions that have a derivative") from None

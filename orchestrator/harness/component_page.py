@@ -22,6 +22,8 @@ from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component, Effect
 from ...components.core.errors import BadInput
 from ...components.core.variables import Causality, Variable, gathered
+from ..kept import Kept
+from ..run.dependence import depends_on
 from ..scene.drawing import Drawing, sketch
 from ..scene.files import read_file, scene_files
 from .studies.full_model import with_required
@@ -251,9 +253,19 @@ def _scenes() -> dict[str, tuple[str, frozenset[str]]]:
 def states_of(names: Sequence[str]) -> dict[str, dict[str, int | None]]:
     """Component -> {"": numbers of state without effects, effect: how many it adds to those of the effects that it needs}.
 
-    Counted in a process without the compiler, which would take seconds over each combination. None: it starts with other
-    parameters only.
+    Counted in a process without the compiler, which would take seconds over each combination, and kept by the component's code.
+    None: it starts with other parameters only.
     """
+    kept = {name: Kept("states", depends_on("states", component_class(name, "component"))) for name in names}
+    counts = {name: one.read() for name, one in kept.items()}
+    if missing := [name for name, count in counts.items() if count is None]:
+        counts |= _counted_apart(missing)
+        for name in missing:
+            kept[name].write(counts[name])
+    return counts
+
+
+def _counted_apart(names: Sequence[str]) -> dict[str, dict[str, int | None]]:
     command = [sys.executable, "-c", f"from {__name__} import count_states; count_states()"]
     parent = os.pathsep.join(path or os.curdir for path in sys.path)
     done = subprocess.run(

@@ -7,7 +7,6 @@ and where little is missing, each entry is compiled when it is asked for.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import sys
@@ -99,7 +98,8 @@ def _names(code: CodeType) -> Iterator[str]:
 
 def _cores() -> int:
     """How many processes may compile."""
-    inside = multiprocessing.parent_process() is not None or "PYTEST_XDIST_WORKER" in os.environ
+    processes = sys.modules.get("multiprocessing")  # a worker has loaded it
+    inside = (processes is not None and processes.parent_process() is not None) or "PYTEST_XDIST_WORKER" in os.environ
     if sys.platform != "linux" or inside or len(list(Path("/proc/self/task").iterdir())) > 1:
         return 1
     return len(os.sched_getaffinity(0))

@@ -57,7 +57,11 @@ def kind_of_data(data: Mapping[str, Any]) -> str:
 
 def refuse_other(path: str | Path, *wanted: str) -> None:
     """Raises `BadInput` for a file or folder that is recognised, and is none of the kinds `wanted`."""
-    kind = file_kind(Path(path))
+    refuse_kind(path, file_kind(Path(path)), *wanted)
+
+
+def refuse_kind(path: str | Path, kind: str, *wanted: str) -> None:
+    """Raises `BadInput` for what is of a kind, and of none of those `wanted`."""
     if kind and kind not in wanted:
         text, commands = FILE_KINDS[kind]
         expected = " or ".join(FILE_KINDS[each][0] for each in wanted)

@@ -12,7 +12,7 @@ from ...components.core.columns import decoded
 from ...components.core.errors import BadInput, nearest
 from ...components.core.files import read_bytes
 from ..loading import MOST_TOML, check_values, loading
-from .file_kinds import refuse_other
+from .file_kinds import SUFFIXES, kind_of_data, refuse_kind, refuse_other
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
 ARCHIVE = (
@@ -81,7 +81,7 @@ def table_text(value: Any, folder: Path, where: str) -> Any:
 
 def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
     """The file's tables; a missing file, a syntax error, or a file of another kind than wanted is one `BadInput` with file and line."""
-    if kinds:
+    if kinds and (path.is_dir() or path.suffix.lower() in SUFFIXES):
         refuse_other(path, *kinds)
     text = read_text(path, kinds[0] if kinds else "file")
     try:
@@ -89,5 +89,7 @@ def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
     except ValueError as error:  # of syntax, or of an integer of thousands of digits
         line = re.search(r"line (\d+)", str(error))
         raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML") from None
+    if kinds:
+        refuse_kind(path, kind_of_data(data), *kinds)
     check_values(data, str(path))
     return data

@@ -296,7 +296,7 @@ def test_damaged_byte_code_of_a_bundle_is_noticed(own_cache):
         "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); print(r.outcome, r['mass.base_x'][-1])"
     )
 
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX")}
 
     def result() -> str:
         done = subprocess.run(
