@@ -74,7 +74,7 @@ class PipeRoute(StatelessComponent):
         """
         rows: Any = np.zeros((4, KNOTS))
         if "route_table" in self.on:
-            rows = surveyed(self.parameters["route_table.table"], f"{self.name}: route_table.table")
+            rows = surveyed(str(self.parameters["route_table.table"]), f"{self.name}: route_table.table")
         return {"rows": rows, "rates": (3, rows.shape[1]), "disorder": 3}
 
 

@@ -95,7 +95,7 @@ class CentrifugalPump(StatelessComponent):
         """
         curves = None
         if "curve_table" in self.on:
-            curves = pump_curves(self.parameters["curve_table.table"], f"{self.name}: curve_table.table")
+            curves = pump_curves(str(self.parameters["curve_table.table"]), f"{self.name}: curve_table.table")
         return {"reach": 1, "curves": curves, "noted": 3}
 
     def _initialize(self, t: float) -> int:

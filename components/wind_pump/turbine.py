@@ -138,7 +138,7 @@ class WindTurbine(EventComponent):
         """`largest`: power coefficient of the farm windmill at its best.  `performance`: see `Performance`; None without a table."""
         performance = None
         if "performance_table" in self.on:
-            performance = performance_of(self.parameters["performance_table.table"], "pitch" in self.on, self.name)
+            performance = performance_of(str(self.parameters["performance_table.table"]), "pitch" in self.on, self.name)
         elif "pitch" in self.on and self.parameters["curve"] == "farm":
             raise BadInput(
                 self.name,

@@ -115,12 +115,13 @@ def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[s
         table = data["units"][place.unit]
         others = [e for e in table.get("effects", ()) if e != place.effect]
         table["effects"] = [*others, place.effect] if on else others
-        _drop(
-            data,
-            place.unit,
-            _replaced(scene, place, changes) if on else lambda n, effect=f"{place.effect}.": n.startswith(effect),
-        )
+        _drop(data, place.unit, _replaced(scene, place, changes) if on else _of_effect(place.effect))
     return data
+
+
+def _of_effect(effect: str) -> Callable[[str], bool]:
+    """Whether a variable is of an effect, by its name."""
+    return lambda name: name.startswith(f"{effect}.")
 
 
 def _replaced(scene: SceneSettings, place: Place, changes: Mapping[str, Any]) -> Callable[[str], bool]:

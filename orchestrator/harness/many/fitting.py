@@ -208,7 +208,11 @@ class _Fitting:
     def _profiled(self, unit: Fit) -> Fit:
         """A fit over the unit cube with the ends of its profiles as intervals."""
         ends = [(k, way) for k in range(len(unit.names)) for way in (-1.0, 1.0)]
-        profiles = run_searches([lambda ask, e=e: profile_end(unit, *self._functions(ask), *e) for e in ends], self.runs)
+
+        def from_end(k: int, way: float) -> Callable[[Any], Any]:
+            return lambda ask: profile_end(unit, *self._functions(ask), k, way)
+
+        profiles = run_searches([from_end(*end) for end in ends], self.runs)
         texts = list(dict.fromkeys(text for _, text in profiles if text))
         intervals = np.array([end for end, _ in profiles]).reshape(-1, 2)
         return replace(unit, intervals=intervals, messages=(*unit.messages, *texts))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...run.figures import Figures
-from ...run.results import Result
 from ...scene.scene import Scene
 from ...settings.answers import FitSettings
+from .measures import Summarize
 from .residuals import residuals_of
 from .searches import jacobian
 
@@ -30,7 +29,7 @@ class Likelihood:
         scene: Scene,
         settings: FitSettings | Mapping[str, Any] | str | Path,
         folder: str | Path = ".",
-        summarize: Callable[[Result], Figures] | None = None,
+        summarize: Summarize | None = None,
     ):
         """Arguments as of a fit. Raises `BadInput`, also for measurements without a standard deviation."""
         self._stack = ExitStack()
