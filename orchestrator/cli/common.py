@@ -152,7 +152,7 @@ def print_rows(result: CaseResult) -> None:
         result.case.title,
         ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
         [
-            (r.quantity, row.reference.condition, r.unit, r.measured, r.range, r.margin, r.standing, row.answer)
+            (r.quantity, row.reference.condition, r.unit, r.simulated, r.range, r.margin, r.standing, row.answer)
             for row, r in shown
         ],
     )

@@ -89,7 +89,7 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", SHORT)
 def test_a_case_passes(name):
     found = cases()[name].findings(Options(in_process=True))
-    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
+    assert outcome(found.rows) == "passed", [(r.reference.measure, r.simulated) for r in found.rows if not r.inside]
     assert found.complete
     assert found.charts
     assert {r.reference.measure for r in found.rows} == {r.measure for r in load_table(name).rows}

@@ -99,11 +99,11 @@ class Cells:
 
 @dataclass(frozen=True)
 class RangeRow:
-    """A measured number beside its range; `place` 0 at the low end, 1 at the high end."""
+    """The number of a run beside its range; `place` 0 at the low end, 1 at the high end."""
 
     quantity: str
     unit: str
-    measured: str
+    simulated: str
     range: str
     margin: str
     place: float | None

@@ -38,13 +38,13 @@ def range_row(row: Row) -> RangeRow:
     r = row.reference
     low, high = r.low, r.high
     place = None
-    if np.isfinite(row.measured) and not row.missing:
+    if np.isfinite(row.simulated) and not row.missing:
         if low is not None and high is not None:
-            place = (row.measured - low) / (high - low) if high > low else 0.5 + np.sign(row.measured - low)
+            place = (row.simulated - low) / (high - low) if high > low else 0.5 + np.sign(row.simulated - low)
         else:  # open: in the middle at the end of the range, and as far inside as the margin is of the end's size
             end = low if low is not None else high
             assert end is not None
-            share = row.margin / max(abs(end), abs(row.measured), 1e-12)
+            share = row.margin / max(abs(end), abs(row.simulated), 1e-12)
             place = share if low is not None else 1.0 - share
     unit = "" if r.unit == "1" else r.unit
     ends = [number(e, low, high) if e is not None else "" for e in (low, high)]
@@ -56,7 +56,7 @@ def range_row(row: Row) -> RangeRow:
     return RangeRow(
         r.named,
         unit,
-        row.shown if np.isfinite([row.error, row.parameters]).any() else f"{number(row.measured, low, high)}, {row.repeated}",
+        row.shown if np.isfinite([row.error, row.parameters]).any() else f"{number(row.simulated, low, high)}, {row.repeated}",
         text,
         margin,
         None if place is None else float(place),

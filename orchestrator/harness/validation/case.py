@@ -254,7 +254,7 @@ class CaseResult:
     def doubtful_rows(self) -> list[str]:
         """Rows outside of unconfirmed ranges and undecided ones, one sentence each."""
         return [
-            f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, an unconfirmed range"
+            f"{r.reference.quantity} ({r.reference.condition}): {r.simulated:.5g} {unit}is {_outside(r)}, an unconfirmed range"
             if not r.inside
             else f"{r.reference.quantity} ({r.reference.condition}): {r.shown} {unit}is undecided: a limit is {r.margin:.2g} away"
             for r in self.findings.rows
@@ -317,9 +317,9 @@ def _claims_in_words(claims: tuple[ClaimResult, ...]) -> str:
 def _outside(row: Row) -> str:
     """Which end of its range a row has left."""
     low, high = row.reference.low, row.reference.high
-    if low is not None and row.measured < low:
+    if low is not None and row.simulated < low:
         return f"below {low:.5g}"
-    return f"above {high:.5g}" if high is not None and row.measured > high else "not a number"
+    return f"above {high:.5g}" if high is not None and row.simulated > high else "not a number"
 
 
 def to_table(results: list[CaseResult]) -> tuple[tuple[str, ...], list[tuple[str | float, ...]]]:

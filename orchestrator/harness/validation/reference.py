@@ -98,10 +98,10 @@ class TableRow(Range):
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a reference table beside what was measured, in the row's unit."""
+    """A row of a reference table beside the number of a run, in the row's unit."""
 
     reference: TableRow
-    measured: float
+    simulated: float
     error: float = math.nan  # of the steps and meshes; NaN where it is not known
     why: str = ""  # why there is no error: `UNCHANGED`, or what kept the case from being repeated; "" where there is one
     parameters: float = math.nan  # standard deviation by the tolerances of the scenes' parameters; NaN without any
@@ -114,7 +114,7 @@ class Row:
     @property
     def margin(self) -> float:
         """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
-        return math.nan if self.missing else self.reference.margin(self.measured)
+        return math.nan if self.missing else self.reference.margin(self.simulated)
 
     @property
     def inside(self) -> bool:
@@ -129,7 +129,7 @@ class Row:
     @property
     def shown(self) -> str:
         """The measured number with its errors where these are known."""
-        return with_errors_of(self.measured, self.error, self.parameters, "numerical")
+        return with_errors_of(self.simulated, self.error, self.parameters, "numerical")
 
     @property
     def repeated(self) -> str:
@@ -148,7 +148,7 @@ class Row:
             "quantity": r.quantity,
             "condition": r.condition,
             "unit": r.unit,
-            "measured": self.measured if math.isfinite(self.measured) else None,
+            "measured": self.simulated if math.isfinite(self.simulated) else None,
             "error": self.error if math.isfinite(self.error) else None,
             "why": self.why or None,
             **({"parameters": self.parameters} if math.isfinite(self.parameters) else {}),

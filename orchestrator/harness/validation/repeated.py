@@ -93,8 +93,8 @@ def _of_parameter(
             moved = case.findings(replace(options, in_process=True), kept)
         if not moved.complete or len(moved.rows) != len(findings.rows):
             raise BadInput(case.name, f"a run with another {name} that does not come to its end", "runs that do")
-        sides.append(np.array([row.measured for row in moved.rows]))
-    return 0.5 * (sides[0] - sides[1]), 0.5 * (sides[0] + sides[1]) - np.array([row.measured for row in findings.rows])
+        sides.append(np.array([row.simulated for row in moved.rows]))
+    return 0.5 * (sides[0] - sides[1]), 0.5 * (sides[0] + sides[1]) - np.array([row.simulated for row in findings.rows])
 
 
 def _with_errors(
@@ -131,12 +131,12 @@ def _with_rows(findings: Findings, rows: Iterable[Row]) -> Findings:
 
 
 def _with_error(row: Row, finer: Row) -> Row:
-    gap = abs(row.measured - finer.measured)
+    gap = abs(row.simulated - finer.simulated)
     if gap == 0.0:
         return replace(row, why=UNCHANGED)
     if not math.isfinite(gap):
-        return replace(row, why=f"with half of the steps it is {finer.measured:.6g}")
-    return replace(row, error=(UNSURE if gap > ORDER_UNSURE * abs(row.measured) else SURE) * gap)
+        return replace(row, why=f"with half of the steps it is {finer.simulated:.6g}")
+    return replace(row, error=(UNSURE if gap > ORDER_UNSURE * abs(row.simulated) else SURE) * gap)
 
 
 def _mesh_gaps(
@@ -145,7 +145,7 @@ def _mesh_gaps(
     """Of each row the change with elements twice as long; None where no scene has a mesh, or where that is refused, and why."""
     if not scenes:
         return None, ""
-    place = mesh_place(case, scenes, [row.measured for row in findings.rows])
+    place = mesh_place(case, scenes, [row.simulated for row in findings.rows])
     if (kept_gaps := place.read()) is not None:
         return kept_gaps, ""
     try:
@@ -155,7 +155,7 @@ def _mesh_gaps(
         return None, str(error)
     if not coarse.complete or len(coarse.rows) != len(findings.rows):
         return None, "a run with a coarser one did not reach its end"
-    gaps = [abs(row.measured - other.measured) for row, other in zip(findings.rows, coarse.rows, strict=True)]
+    gaps = [abs(row.simulated - other.simulated) for row, other in zip(findings.rows, coarse.rows, strict=True)]
     gaps = [gap if math.isfinite(gap) else 0.0 for gap in gaps]
     place.write(gaps)
     return gaps, ""

@@ -148,7 +148,7 @@ def test_a_case_of_one_s_own_measures_by_a_function_and_draws_several_runs(tmp_p
     (case,) = validate([str(tmp_path / "case.toml")], tmp_path / "out", in_process=True, verify="no")
     (row,) = case.findings.rows
     end = case.findings.runs["soft"]["a.x_out"][-1]
-    assert (row.measured, case.outcome) == (end, "passed")
+    assert (row.simulated, case.outcome) == (end, "passed")
     (drawn,) = case.findings.charts
     assert drawn.title == f"Both runs, the first one ends at {end:.3f} m"
     assert [s.name for s in drawn.panels[0].series] == ["soft", "damped"]

@@ -39,7 +39,7 @@ def case(low, high, standing="computed", measure=position, counted=None):
 def test_the_error_of_a_row_is_at_least_half_of_the_true_one():
     (row,) = find(case(-10.0, 10.0), Options()).rows
     end = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True).end
-    true = abs(row.measured - exact_two_masses(end)[0])
+    true = abs(row.simulated - exact_two_masses(end)[0])
     assert true > 1e-4
     assert 0.5 * true < row.error < 4.0 * true
     assert not row.undecided
@@ -50,7 +50,7 @@ def test_the_error_of_a_row_is_at_least_half_of_the_true_one():
 )
 def test_a_range_that_ends_within_the_error_is_undecided(share, answer, outcome):
     (row,) = find(case(-10.0, 10.0), Options()).rows
-    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + share * row.error), Options()))
+    result = CaseResult(case(0, 0), find(case(-10.0, row.simulated + share * row.error), Options()))
     assert (result.findings.rows[0].answer, result.outcome) == (answer, outcome)
     assert bool(result.warnings) == (answer == "undecided")
     assert result.to_json()["rows"][0]["undecided"] == (answer == "undecided")
@@ -59,7 +59,7 @@ def test_a_range_that_ends_within_the_error_is_undecided(share, answer, outcome)
 
 def test_an_unconfirmed_range_decides_nothing_even_where_it_ends_within_the_error():
     (row,) = find(case(-10.0, 10.0), Options()).rows
-    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + 0.3 * row.error, "unconfirmed"), Options()))
+    result = CaseResult(case(0, 0), find(case(-10.0, row.simulated + 0.3 * row.error, "unconfirmed"), Options()))
     assert result.outcome == "unconfirmed"
     assert "undecided" in result.warnings[0]
 
@@ -173,4 +173,4 @@ def test_rows_without_an_error_say_why_in_every_output():
         assert row["error"] is None
         assert why in row["why"]
         assert why in cells[-1]
-        assert range_row(result.findings.rows[0]).measured.endswith(shown)
+        assert range_row(result.findings.rows[0]).simulated.endswith(shown)

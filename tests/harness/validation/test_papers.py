@@ -190,7 +190,7 @@ def test_a_run_that_fails_fails_the_case_and_keeps_what_was_measured(tmp_path, m
     monkeypatch.setitem(cases(), "paper-x", case)
     (result,) = validate(["paper-x"], tmp_path)
     assert result.outcome == "failed"
-    assert [r.measured for r in result.findings.rows][:1] == [0.25]
+    assert [r.simulated for r in result.findings.rows][:1] == [0.25]
     assert "a ball left its groove" in " ".join(result.findings.notes)
 
 

@@ -135,7 +135,7 @@ def _force_range(traces: list[dict[str, Any]], rows: list[Row], low: float, high
     """Ends of the axis: 0, what is drawn between two positions, and the ranges."""
     values = [
         0.0,
-        *(e for r in rows for e in (r.reference.low, r.reference.high, r.measured) if e is not None and np.isfinite(e)),
+        *(e for r in rows for e in (r.reference.low, r.reference.high, r.simulated) if e is not None and np.isfinite(e)),
     ]
     for trace in traces:
         values += [y for x, y in zip(trace["x"], trace["y"], strict=True) if low <= x <= high and y is not None]
@@ -159,13 +159,13 @@ def _dot(i: int, row: Row) -> dict[str, Any]:
         "line": {"color": PAPER, "width": 1.5},
     }
     hover = (
-        f"{r.quantity}: {number(row.measured, r.low, r.high)} N, range {r.low:g} to {r.high:g} N ({r.standing})<extra></extra>"
+        f"{r.quantity}: {number(row.simulated, r.low, r.high)} N, range {r.low:g} to {r.high:g} N ({r.standing})<extra></extra>"
     )
     return {
         "type": "scatter",
         "mode": "markers",
         "x": [i],
-        "y": drawn([row.measured]),
+        "y": drawn([row.simulated]),
         "xaxis": "x2",
         "yaxis": "y",
         "showlegend": False,
