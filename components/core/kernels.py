@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import types
 from collections.abc import Callable
-from functools import cached_property, update_wrapper
+from functools import cache, cached_property, update_wrapper
 from threading import RLock
 from typing import Any
 from zlib import crc32
@@ -121,9 +121,20 @@ def kernel_tuple(cls: type) -> type:
     return cls
 
 
+@cache
 def in_python(kernel: Any) -> Callable[..., Any]:
-    """The Python function of a kernel, for numbers that are needed a few times, outside of runs, and do not pay for the compiler."""
-    return getattr(kernel, "py_func", kernel)
+    """The Python function of a kernel, for numbers that are needed a few times, outside of runs, and do not pay for the compiler.
+
+    What it calls is Python, too: a kernel that Python calls loads the compiler.
+    """
+    if not isinstance(kernel, Kernel):
+        return kernel
+    function = kernel.py_func
+    names = {n: v for n in function.__code__.co_names if isinstance(v := function.__globals__.get(n), Kernel) and v is not kernel}
+    if not names:
+        return function
+    own = {**function.__globals__, **{name: in_python(called) for name, called in names.items()}}
+    return types.FunctionType(function.__code__, own, function.__name__, function.__defaults__, function.__closure__)
 
 
 @kernel

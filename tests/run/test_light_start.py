@@ -85,3 +85,23 @@ def test_what_fmus_compile_is_no_time_of_the_run(tmp_path):
     for loaded in ("True", "False"):
         seconds, numba = python(OF_FMUS, NUMBA_CACHE_DIR=str(tmp_path)).split()
         assert (float(seconds) > 0.0, numba) == (loaded == "True", loaded)
+
+
+OF_COMPONENTS = """
+import json, sys
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.errors import BadInput
+for cls in map(component_class, CATALOGUE):
+    for effects in ((), *((effect,) for effect in cls.effects)):
+        try:
+            cls(effects)
+        except BadInput:  # an effect that needs another one
+            assert effects
+print(json.dumps([m for m in {heavy!r} if m in sys.modules]))
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+def test_components_are_laid_out_without_the_compiler():
+    """What their shapes ask of kernels, and of those that these call, is computed in Python."""
+    assert second_start(("numba",), program=OF_COMPONENTS) == []
