@@ -14,6 +14,7 @@ import numpy as np
 from ...components.core.errors import BadInput, nearest
 from ..run.figures import KINDS, Figures, after_transient, known_results
 from ..run.results import Result
+from ..run.run_record import RunRecord, UnitRecord
 from ..scene.names import displaced
 from ..scene.scene import Scene
 from .answer import FigureBand
@@ -59,7 +60,7 @@ def figure_bands(filtered: FilteredScene, track: Track, where: str) -> tuple[Fig
         n: scene.coupling.interfaces[end[0]].outputs[end[1]].unit for n, end in zip(ends, scene.coupling.signals, strict=True)
     }
     places = [model.signals.index(n) for n in ends]
-    base = Result(scene, np.array(track.time), {}, {}, units, {"units": {}}, "done", "")
+    base = Result(scene, np.array(track.time), {}, {}, units, RunRecord(outcome="done"))
     if not wanted and not known_results(_path(filtered, base, ends, np.array(track.values)[:, places], {})):
         return ()
     values, q = drawn_paths(track, places)
@@ -91,6 +92,6 @@ def _path(filtered: FilteredScene, base: Result, ends: Sequence[str], values: np
     """A run that goes along a path, (k, n), with some numbers of parameters."""
     own = {u.name: u.component.parameters for u in filtered.model.tangents.layout.units}
     parts = {unit: {n: numbers.get(f"{unit}.{n}", v) for n, v in some.items()} for unit, some in own.items()}
-    info = {"units": {unit: {"parameters": some} for unit, some in parts.items()}}
+    info = RunRecord(outcome="done", units={unit: UnitRecord(parameters=some) for unit, some in parts.items()})
     scene = displaced(base.scene, numbers)
-    return Result(scene, base.time, dict(zip(ends, values.T, strict=True)), {}, base.measures, info, "done", "")
+    return Result(scene, base.time, dict(zip(ends, values.T, strict=True)), {}, base.measures, info)
