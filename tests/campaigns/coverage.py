@@ -25,6 +25,7 @@ COARSE = {"bearing.displacement_x": 1e-6, "bearing.displacement_y": 1e-6}, {"bod
 MACHINES = {
     "bearing": replace(BEARING, noise=COARSE[0]),
     "gimbal": replace(GIMBAL, noise=COARSE[1]),
+    "gimbal-near": replace(GIMBAL, noise=COARSE[1], unknown={n: {"deviation": "5 %"} for n in GIMBAL.unknown}),
     "trocar": TROCAR,
     "vehicle": VEHICLE,
 }

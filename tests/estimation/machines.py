@@ -34,7 +34,7 @@ class Machine:
 
     def run(self, values: Mapping[str, Any]) -> cosimo.Result:
         """The truth, with other values than the model's."""
-        return cosimo.run(self.model(**self.truth, **values), in_process=not self.fmus, verify="no")
+        return cosimo.run(self.model(**{**self.truth, **values}), in_process=not self.fmus, verify="no")
 
     def plan(self, **changes: Any) -> dict[str, Any]:
         """What a user would say of it."""
@@ -109,4 +109,5 @@ VEHICLE = Machine(
     {"hull.position_north": 0.02, "hull.position_east": 0.02, "hull.depth": 5e-3, "hull.roll": 3e-3, "hull.pitch": 3e-3},
     5,
     ["hull.mass"],
+    fmus=True,
 )
