@@ -17,7 +17,7 @@ from ..core.kernels import kernel
 THRUSTERS = 6  # of a vehicle without further ones
 NOTHING = 1e-10  # of the largest singular value: smaller ones count as zero
 SWEEPS = 40  # at most; six or so are needed
-FINE = 2.0**32  # to so fine a part of its scale a guess is rounded
+FINE = 2.0**40  # to so fine a part of its scale a guess is rounded
 
 
 def allocation_of(matrix: np.ndarray, priority: np.ndarray, choice: int) -> np.ndarray:

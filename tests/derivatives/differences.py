@@ -19,6 +19,7 @@ NEAR = 1e-7, 1e-8, 1e-9  # within a boundary that is all but reached
 BESIDE = 1e-9  # so far from a boundary derivatives are those of its side
 LIMIT = 1e-5  # of a relative disagreement
 UNSURE = 3.0  # times what differences at two distances differ by
+ALONE = 20.0  # the same of a single number, which may be the same at two distances by chance
 SAID = 5e-2  # differences that resolve no more of a derivative say nothing of it
 COUNTS = 1e-6  # a change by less of a signal, for all of the parameter, does not count
 
@@ -121,7 +122,7 @@ def _disagreement(exact: Numbers, base: Numbers, differences: Differences, size:
     largest, all_of_them = np.max(np.abs(base), axis=0), np.max(np.abs(base))
     rounding = 1e-14 * np.maximum(largest, min(all_of_them, 1.0)) / lengths[best + 1]  # a small one may be a difference of others
     counts = COUNTS * np.maximum(largest, 1e-7 * min(all_of_them, 1.0)) / size
-    unsure = UNSURE * between[best, signals]
+    unsure = (UNSURE if base.shape[0] > 1 else ALONE) * between[best, signals]
     slope = np.maximum(np.max(np.abs(value), axis=0), np.max(np.abs(exact), axis=0))
     silent = told & (unsure > SAID * slope) & (slope > counts)
     error = (np.max(np.abs(exact - value), axis=0) - unsure - rounding) / np.maximum(slope, 1e-12)
