@@ -152,14 +152,14 @@ class KernelComponent(Component):
 
     # -- the run -----------------------------------------------------------------------------------------------------
     @property
-    def layout(self) -> tuple[Any, ...]:
+    def layout_of_block(self) -> tuple[Any, ...]:
         """What the layout of the block follows from."""
         return type(self), self.on, self._structure
 
     def entry(self, name: str) -> int:
         """The address of the function `int32 f(double t, double h, void *block)` that calls a kernel: compiled, if need be."""
         assert self.block is not None
-        known, key = type(self).known_entries, (name, self.layout)
+        known, key = type(self).known_entries, (name, self.layout_of_block)
         if key not in known:
             known[key] = self.block.entry(name, getattr(type(self).kernels, name), self.arguments)
         return self.block.take(name, known[key])

@@ -6,11 +6,13 @@ import re
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.contract import KernelComponent
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.measure import parse
 from cosimo.components.core.variables import Causality, Kind, gathered
 from cosimo.tests.contract.configurations import FACTS, SMALL, compatible, in_plain_python
 
+CORE = KernelComponent.__module__.rpartition(".")[0]
 VARIABLES = [(c, v) for c in CATALOGUE for v in component_class(c).variables]
 
 
@@ -29,6 +31,13 @@ def test_variables_are_described(component):
 def test_names_are_snake_case(component):
     pattern = re.compile(r"([a-z][a-z0-9_]*\.)?[a-z][a-z0-9_]*(\[\d+\])?")
     assert [n for n in component_class(component).variables if not pattern.fullmatch(n)] == []
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_no_variable_takes_the_place_of_what_every_component_has(component):
+    """A parameter named `layout` once stood for the layout of the block, and blocks of other effects got the wrong machine code."""
+    shared = [base for base in component_class(component).__mro__ if base.__module__.startswith(CORE)]
+    assert {n for n in component_class(component).variables if any(n in vars(base) for base in shared)} == set()
 
 
 @pytest.mark.parametrize("component", CATALOGUE)
