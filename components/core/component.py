@@ -117,6 +117,7 @@ class Component:
     by_midpoint_rule: bool = False  # it integrates so, with a parameter `substep`: modes take back what the rule does to them
     ports: ClassVar[Declared] = {}  # signals that go to one partner together
     port_members: ClassVar[Mapping[str, str]] = {}  # names of signals that are others within a port
+    former: ClassVar[Mapping[str, str]] = {}  # names that earlier versions had, and what to do
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}
     variables: ClassVar[Mapping[str, Variable]] = {}  # every scalar, of effects too, by full name
@@ -220,7 +221,8 @@ class Component:
         if name in arrays:
             return BadInput(self.name, f"one value of {name!r}", "an array", f"Give a list, or set {name}[1] and so on.")
         names = [*self.parameters, *self.inputs, *self.outputs]
-        return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", nearest(name, names))
+        remedy = type(self).former.get(name) or nearest(name, names)
+        return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", remedy)
 
     def set(self, name: str, value: Any) -> None:
         """Set a parameter (before `initialize`) or the present value of an input."""

@@ -71,7 +71,7 @@ from .mesh import (
     spread_wires,
     unpacked,
 )
-from .moving_window import move_window, open_window, warn_of_narrow_window
+from .moving_window import WINDOW, begin_front, open_window, warn_of_narrow_window
 from .statics import PRESENT, UNBALANCED, add_ground, empty_balance, find_balance, put_droppers
 from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
 from .wires import Laws, Motion, contacts_at, last_step, row_length, state_rows
@@ -123,6 +123,10 @@ class Catenary(HungLine):
     )
     ports = {"contact": ("contact_position", "contact_force", "wire_height", "contact_compliance")}
     counters = ("steps", "solves", "factorizations")
+    former = {
+        "moving_window.ahead": "Leave it out: the front follows the motion, see front_threshold.",
+        "moving_window.speed": "Leave it out: the length behind follows the speed of the run.",
+    }
 
     dropper_slackening = DropperSlackening
     bending_stiffness = BendingStiffness
@@ -145,6 +149,9 @@ class Catenary(HungLine):
     method = choice("explicit", ("explicit", "implicit"), "time integration")
     element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, mesh="shorter")
     substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
+    front_threshold = parameter(
+        1e-4, "1", "explicit: wires ahead rest until they move by this share of 0.07 m or 0.6 m/s; 0: all move", low=0.0, high=0.1
+    )
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
@@ -187,7 +194,8 @@ class Catenary(HungLine):
         parameters alone is there.  `points`: see `contact_points`.  `lateral`:
         rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
-        what moves, see `explicit`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: the implicit one.
+        what moves, see `moving_window`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: of the
+        implicit one.
         """
         _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
@@ -217,7 +225,7 @@ class Catenary(HungLine):
             2 * len(points),
             0 if e.gusts is None else 3 + 2 * N,
             d if implicit else 0,
-            0 if e.moving_window is None else 2,
+            0 if implicit else 2,
         ]
         cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
         band, beside = (N, reach * W + 1), in_python(margin)(W)
@@ -236,7 +244,7 @@ class Catenary(HungLine):
             "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))),
             "limits": 2,
             "refused": 4,
-            "window": 5 if e.moving_window is not None else None,
+            "window": None if implicit else WINDOW,
             "gusts": empty_buffeting(mesh, e.gusts.components, e.gusts.seed) if e.gusts is not None else None,
             "work": (5, N) if implicit else BLOCK + 5 * beside,
             "rows": None if implicit else (reach + 3, in_python(row_length)(N) + beside),
@@ -253,8 +261,9 @@ class Catenary(HungLine):
     def _initialize(self, t: float) -> int:
         status = super()._initialize(t)
         if status == DONE and "moving_window" in self.on:
-            ahead, behind = (float(self.get(f"moving_window.{name}")) for name in ("ahead", "behind"))
-            warn_of_narrow_window(self.name, ahead, behind, self.arguments[0].window, float(self.mesh.position[-1]))
+            alpha, beta = (self.get(f"damping.{n}") if "damping" in self.on else 0.0 for n in ("alpha", "beta"))
+            behind, whole = self.get("moving_window.behind"), self.mesh.position[-1]
+            warn_of_narrow_window(self.name, behind, alpha, beta, self.arguments[0].window, float(whole))
         return status
 
     @property
@@ -278,7 +287,7 @@ class Catenary(HungLine):
         """The contact points, their speeds, and the part of the wire on which they may be."""
         columns = dict.fromkeys(self.arguments[0].points[:, 0].tolist())
         points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
-        first = int(self.x[-2]) if "moving_window" in self.on and self.x.size else 1
+        first = int(self.x[-2]) if self.parameters["method"] == "explicit" and self.x.size else 1
         low, high = self.mesh.position[[first, -2]]
         back = "; the moving window does not go back (moving_window.behind)" if first > 1 else ""
         return f"{', '.join(points)}, expected from {low:g} to {high:g} m{back}"
@@ -293,6 +302,10 @@ class Catenary(HungLine):
         reasons = super().unused(names)
         if "spectral_radius" in names and self.parameters["method"] == "explicit":
             reasons["spectral_radius"] = "method 'explicit' has none"
+        if "front_threshold" in names and self.parameters["method"] == "implicit":
+            reasons["front_threshold"] = "method 'implicit' moves the whole line"
+        elif "front_threshold" in names and "gusts" in self.on:
+            reasons["front_threshold"] = "gusts move the whole line"
         if "gusts" in self.on and self.parameters["gusts.lift_coefficient"] == 0.0:
             reasons |= dict.fromkeys(ACROSS.intersection(names), "without gusts.lift_coefficient only vertical gusts act")
         return reasons
@@ -323,6 +336,8 @@ def put_outputs(t, mesh, s, p, e):
     if e.gusts is not None:
         position = u[points[0, 0]]
         y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)
+    if e.moving_window is not None:
+        y[e.moving_window.y] = mesh.position[int(x[x.size - 2])] if x[x.size - 2] > 1.0 else 0.0
     if e.stagger is not None:
         for wire in range(2):
             y[e.stagger.y + wire] = lateral_position(u[IN.contact_position], wire, s.lateral)
@@ -410,14 +425,13 @@ def catenary_initialize(t, s, p, e):
             return status
 
     # equilibrium under the contact forces
-    u, x, points, N, W, lo, hi = s.u, s.x, s.points, mesh.mass.size, mesh.bending_gradient.size, 0, mesh.position.size - 1
-    front, rear = -math.inf, math.inf
+    u, x, points, N, front = s.u, s.x, s.points, mesh.mass.size, -math.inf
     nodal[0] = 0.0
     for k in range(points.shape[0]):
         position = u[0, points[k, 0]]
         if not in_range(position, mesh):
             return OUT_OF_RANGE
-        front, rear = max(front, position), min(rear, position)
+        front = max(front, position)
         add_contact(position, u[0, points[k, 1]], nodal[0], points[k, 4], mesh)
         x[contacts_at(N) + 2 * k] = position
     s.y[OUT.static_residual] = find_balance(nodal[0], unilateral, x[:N], mesh, s.balance)
@@ -428,15 +442,13 @@ def catenary_initialize(t, s, p, e):
     if s.solver is not None:
         for k in range(mesh.dropper.size):
             x[x.size - mesh.dropper.size + k] = s.balance.taut[PRESENT, k]
-    if e.moving_window is not None:
-        open_window(alpha, beta, mesh, s.window, e.moving_window)
-        x[x.size - 2], x[x.size - 1] = 1.0, mesh.position.size - 2.0
-        lo, hi = move_window(front, rear, x, mesh, s.window)
-        x[W * hi + W : N] = 0.0
+    if s.rows is not None:
+        open_window(p.front_threshold if e.gusts is None else 0.0, mesh, s.window, e.moving_window)
+        begin_front(front, x, mesh, s.window)
     if e.gusts is not None:
         loads = x[gust_state(points, mesh) :]
         loads[SAMPLE], loads[FIRST], loads[LAST] = UNREADY, 0.0, -1.0
-        follow_gusts(t, lo, hi, loads, mesh, s.gusts)
+        follow_gusts(t, 0, mesh.position.size - 1, loads, mesh, s.gusts)
     if e.second_wire is not None:  # where it is not touched
         s.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
     return DONE

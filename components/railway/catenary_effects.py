@@ -120,19 +120,19 @@ class FurtherPantographs(Effect):
 
 
 class MovingWindow(Effect):
-    """Only the wires around the contact points move; the rest stays in its static equilibrium.
+    """Wires far behind the last contact point are no longer followed: they go back to their static equilibrium.
 
-    The edges let waves out, but not back in from the spans beyond: the width is that from which they come back damped, for an
-    error of at most 0.5 % of the 20 Hz-filtered force, see `moving_window.width`. A narrower one warns. On lines with little
-    damping the window is wider than the line may be long.
+    The edge lets waves out, but not back in from the spans beyond: the length is that from which they come back damped, for an
+    error of at most 0.5 % of the 20 Hz-filtered force at the speed of the slowest contact point, see `moving_window.width`. A shorter
+    one warns. On lines with little damping it is longer than the line may be. Ahead the wires rest in any case until motion
+    arrives, see `front_threshold`.
     """
 
     explicit_only = True
-    read_by = ("initialize",)
+    read_by = ("initialize", "outputs", "step")
 
-    ahead = parameter(0.0, "m", "length ahead of the first contact point; 0: from damping and speed", low=0.0)
     behind = parameter(0.0, "m", "length behind the last contact point; 0: from damping and speed", low=0.0)
-    speed = parameter(250.0 / 3.6, "m/s", "speed of the slowest contact point, for which the widths are", low=0.0)
+    rear = output("m", "place from which on the wires are followed; a support before it has an uplift of 0 that says nothing")
 
 
 SIX_SPANS = """title = "Six unequal spans, all else as the parameters say"

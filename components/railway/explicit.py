@@ -15,8 +15,8 @@ import math
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import element_at, in_range, shape_weights
 from .gust_loads import LOADS, accelerate_by_gusts, follow_gusts, gust_state
-from .moving_window import move_window
-from .wires import DENORMAL_GUARD, dropper_tension, first_at_or_after, row_length, state_rows
+from .moving_window import FOUND, follow_speed, move_window
+from .wires import DENORMAL_GUARD, dropper_tension, row_length, state_rows
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
 BLOCK = 512  # degrees of freedom from drift to kick; half and twice as many cost the same
@@ -109,7 +109,7 @@ def kick(j, end, at, z, a, rows, W, bending):
 def sweep(first, end, level, between, d, motion, mesh, rows, beta, bending):
     """Drift and kick of the degrees of freedom first to end - 1, block by block.
 
-    level: whether the wires beyond the first one, and beyond the last one, are level; else they are fixed at 0.
+    level: whether the wires beyond the first one are level; else they are fixed at 0. Those beyond the last one are fixed where they are.
     motion.work: (BLOCK and 5 margins,), displacements of a block and of what the kick behind it reads.
     """
     N, W = mesh.mass.size, mesh.bending_gradient.size
@@ -124,13 +124,13 @@ def sweep(first, end, level, between, d, motion, mesh, rows, beta, bending):
             e = end
         m = e - j
         drift(between, d, q[j:e], w[j:e], a[j:e], z[2 * H : 2 * H + m], rate[j:e], beta)
-        if level[0] and j == first:
+        if level and j == first:
             for i in range(PAD * W):
                 z[2 * H - 1 - i] = z[2 * H + W - 1 - i % W]
         to = e - H
         if e == end:
             for i in range(PAD * W):
-                z[2 * H + m + i] = z[2 * H + m - W + i % W] if level[1] else 0.0
+                z[2 * H + m + i] = q[e + i] if e + i < N else 0.0
             to = end
         kick(done, to, 2 * H + done - j, z, a, rows, W, bending)
         for i in range(2 * H):  # not by slices: they may overlap, and Numba would copy
@@ -141,14 +141,15 @@ def sweep(first, end, level, between, d, motion, mesh, rows, beta, bending):
 @kernel
 def explicit_steps(t, h, n, motion, mesh, rows, laws):
     """n equal steps over h from the time t; motion, laws: see `wires`; rows: see `fill_wire_rows`; motion.work: see `sweep`."""
-    N, nodes, W = mesh.mass.size, mesh.position.size, mesh.bending_gradient.size
+    N, W = mesh.mass.size, mesh.bending_gradient.size
     x, u, points = motion.x, motion.u, motion.points
     q, w, a = state_rows(x, N)
     over_mass = rows[rows.shape[0] - 2, margin(W) :]
-    beta = 0.0 if laws.damping is None else laws.damping.beta
-    lo, hi = 1, nodes - 2
-    first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
-    first_clamp, end_clamp = 0, mesh.clamped.size
+    alpha, beta = 0.0, 0.0
+    if laws.damping is not None:
+        alpha, beta = laws.damping.alpha, laws.damping.beta
+    follow_speed(x, points, mesh, motion.window, alpha, beta)
+    found = motion.window[FOUND:]
     d, before = h / n, 3 * row_length(N)
     for values in (q, w, a):
         for k in range(mesh.clamped.size):  # as the wire that it is clamped to; from here on they move alike
@@ -162,29 +163,23 @@ def explicit_steps(t, h, n, motion, mesh, rows, laws):
             if not in_range(position, mesh):
                 return OUT_OF_RANGE
             front, rear = max(front, position), min(rear, position)
-        if motion.window is not None:
-            lo, hi = move_window(front, rear, x, mesh, motion.window)
-            if rear < mesh.position[lo]:  # the wire there was left behind and does not move any more
-                return OUT_OF_RANGE
-            first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
-            first_support = max(first_at_or_after(mesh.support, lo), 1)
-            end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)
-            first_clamp, end_clamp = first_at_or_after(mesh.clamped, W * lo), first_at_or_after(mesh.clamped, W * hi + W)
-        inside = lo > 1, hi < nodes - 2  # edges
-        first, end = W * lo if inside[0] else 0, W * hi + W
+        lo, hi = move_window(front, rear, x, mesh, motion.window)
+        if rear < mesh.position[lo]:  # the wire there was left behind and does not move any more
+            return OUT_OF_RANGE
+        first, end = W * lo if lo > 1 else 0, W * hi + W
 
-        sweep(first, end, inside, 0.5 * (x[before] + d), d, motion, mesh, rows, beta, laws.bending)
+        sweep(first, end, lo > 1, 0.5 * (x[before] + d), d, motion, mesh, rows, beta, laws.bending)
         x[before] = d
         if motion.gusts is not None:
             loads = x[gust_state(points, mesh) :]
             share = follow_gusts(t + s, lo, hi, loads, mesh, motion.gusts)
             one, other = loads[LOADS + first : LOADS + end], loads[LOADS + N + first : LOADS + N + end]
             accelerate_by_gusts(share, one, other, over_mass[first:end], a[first:end])
-        for k in range(first_dropper, end_dropper):
+        for k in range(int(found[0]), int(found[1])):
             change = dropper_tension(k, q, mesh, laws.slack) - mesh.preload[k]
             a[mesh.lower[k]] += change * over_mass[mesh.lower[k]]
             a[mesh.upper[k]] -= change * over_mass[mesh.upper[k]]
-        for k in range(first_support, end_support):
+        for k in range(int(found[2]), int(found[3])):
             for j in range(W * mesh.support[k], W * mesh.support[k] + W):
                 a[j] -= over_mass[j] * mesh.ground[j] * q[j]
         for k in range(points.shape[0]):
@@ -197,14 +192,12 @@ def explicit_steps(t, h, n, motion, mesh, rows, laws):
             a[j] += here * load * over_mass[j]
             a[j + W] += there * load * over_mass[j + W]
             a[j + 2 * W] += at_right * load * over_mass[j + 2 * W]
-        for j in range(W):  # an edge inside the wire: a dashpot that lets waves out
-            if inside[0]:
-                a[first + j] -= over_mass[first + j] * mesh.impedance[first + j] * w[first + j]
-            if inside[1]:
-                a[end - 1 - j] -= over_mass[end - 1 - j] * mesh.impedance[end - 1 - j] * w[end - 1 - j]
-        for k in range(first_clamp, end_clamp):
+        if lo > 1:  # an edge inside the wire: a dashpot that lets waves out
+            for j in range(first, first + W):
+                a[j] -= over_mass[j] * mesh.impedance[j] * w[j]
+        for k in range(int(found[4]), int(found[5])):
             a[mesh.clamp[k]] += a[mesh.clamped[k]]
-        for k in range(first_clamp, end_clamp):
+        for k in range(int(found[4]), int(found[5])):
             a[mesh.clamped[k]] = a[mesh.clamp[k]]
     motion.counts[0] += n
     motion.counts[1] += n

@@ -84,7 +84,11 @@ def _table(name: str) -> str | list[str]:
 def _model(scene: Scene, data: dict[str, Any]) -> dict[str, Any]:
     """Without the settings that are compared; with the other scene that is compared with."""
     for name, unit in data["units"].items():
-        compared = {"substep", *(mesh.removeprefix(f"{name}.") for mesh in scene.study.mesh if mesh.startswith(f"{name}."))}
+        compared = {
+            "substep",
+            "front_threshold",
+            *(mesh.removeprefix(f"{name}.") for mesh in scene.study.mesh if mesh.startswith(f"{name}.")),
+        }
         unit["parameters"] = {key: value for key, value in unit["parameters"].items() if key not in compared}
     data = {key: value for key, value in data.items() if key not in NO_RESULT | OF_ROWS | SETTINGS} | _judged(scene)
     coupling, monolith = scene.coupling, scene.study.monolith

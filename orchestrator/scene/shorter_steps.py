@@ -81,9 +81,9 @@ def late_samples(scene: Scene) -> list[str]:
 
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
-    """The changes to `factor` times the internal steps of all units, or of one."""
-    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"{unit}.substep"}
-    return {place: value * factor for place, value in places.items()}
+    """The changes to `factor` times the internal steps of all units, or of one, and the motion at which parts at rest begin to move."""
+    places = substeps(scene) | numbers_in_use(scene, "front_threshold")
+    return {place: value * factor for place, value in places.items() if not unit or place.rpartition(".")[0] == unit}
 
 
 def meshes(scene: Scene) -> dict[str, float]:

@@ -37,5 +37,9 @@ class AnalysisKeys(Model):
         """
         return ()
 
+    def beside(self, recorded: Iterable[Endpoint]) -> Iterable[Endpoint]:
+        """Outputs without which recorded ones may be misread; those of them that there are, are recorded, too."""
+        return ()
+
     def check(self, scene: Any) -> None:
         """Refuse, before a run of a scene with these keys, what the run cannot have, such as a window beyond its end."""

@@ -19,7 +19,7 @@ from cosimo.orchestrator.systems.railway.records import passages
 
 EFFECTS = ["dropper_slackening", "gravity_sag", "damping"]
 SIGNALS = ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height"]
-NARROW = {"moving_window.ahead": 180.0, "moving_window.behind": 180.0}  # half of what 0.5 % of the force asks for
+NARROW = {"moving_window.behind": 180.0}  # half of what 0.5 % of the force asks for
 WINDOW = np.linspace(240.0, 360.0, 1201)
 
 

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of m
 WIDTH, STEPS = 8, 20
 STEP = {"BallBearing": 1e-4, "JeffcottRotor": 1e-4, "DeepGrooveBearing": 1e-4, "DimensionlessBallBearing": 1e-2}  # s; else 1 ms
 STATES = 24  # cells of a state that are tried, at most
-NUMERICAL = {"substep", "period", "tolerance"}  # a whole number of steps or samples follows from them
+NUMERICAL = {"substep", "period", "tolerance", "front_threshold"}  # a whole number of steps, samples or nodes follows from them
 
 
 class Course:

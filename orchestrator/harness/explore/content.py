@@ -29,7 +29,11 @@ if TYPE_CHECKING:
 
 FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # macro steps that a page offers, over the scene's
 FEWEST = 20  # macro steps of a run
-NUMERICAL = ("*.substep", "*.tolerance")  # parameters that no slider is offered for: accuracy has its own place
+NUMERICAL = (
+    "*.substep",
+    "*.tolerance",
+    "*.front_threshold",
+)  # parameters that no slider is offered for: accuracy has its own place
 FIRST = 8  # parameters with a slider, where the user names none
 SPAN = 0.5  # of its value, to either side: a slider's range where none is given
 EXACT = 2**53

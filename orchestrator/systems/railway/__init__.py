@@ -25,9 +25,14 @@ class RailwayKeys(AnalysisKeys):
     supply: Literal["AC", "3 kV DC", "1.5 kV DC"] = Field(default="AC", description="supply of the line; limits depend on it")
 
     def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
-        """The wire's height at every contact point, on either wire, and the uplifts at supports."""
+        """The wire's height at every contact point, on either wire, and the uplifts at supports, with which of them are followed."""
         heights = [source for source, (_, name) in links if name.rpartition(".")[2] == "wire_height"]
-        return (*heights, *((unit, "support_uplift") for unit in dict.fromkeys(unit for unit, _ in heights)))
+        lines = dict.fromkeys(unit for unit, _ in heights)
+        return (*heights, *((unit, name) for unit in lines for name in ("support_uplift", "moving_window.rear")))
+
+    def beside(self, recorded: Iterable[Endpoint]) -> Iterable[Endpoint]:
+        """Of uplifts, from which place on the wires are followed."""
+        return dict.fromkeys((unit, "moving_window.rear") for unit, name in recorded if name.startswith("support_uplift["))
 
     def check(self, scene: Any) -> None:
         """Refuse a window of analysis that a pantograph of the scene does not pass within the run."""

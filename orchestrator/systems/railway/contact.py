@@ -56,7 +56,8 @@ class ContactStatistics:
 
 @dataclass(frozen=True)
 class ContactRecord:
-    """What the statistics are made of: time (n,) s, contact position (n,) m, force (n,) N, height (n,) m, uplifts (n,) m each."""
+    """What the statistics are made of: time (n,) s, contact position (n,) m, force (n,) N, height (n,) m, uplifts (n,) m each,
+    NaN where a support is not followed any more."""
 
     time: np.ndarray
     position: np.ndarray
@@ -87,7 +88,7 @@ class ContactRecord:
             arcs=tuple(gaps(force[cut], rate, ARC).tolist()),
             loss_filtered=fraction_below(filtered),
             height_range=float(np.ptp(height[cut])),
-            uplift=tuple(float(u.max()) for u in self.uplifts),
+            uplift=tuple(float(np.nanmax(u)) for u in self.uplifts if not np.isnan(u).all()),
             filter=low_pass,
             window=(float(span[0]), float(span[1])),
             rate=rate,

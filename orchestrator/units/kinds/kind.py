@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 NUMERICAL = {  # real parameters by which nothing has a derivative
     "substep": "it sets the numerical error alone",
     "tolerance": "it sets the numerical error alone",
+    "front_threshold": "it sets the numerical error alone",
 }
 ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a sandbox"}
 

@@ -194,7 +194,7 @@ def test_a_constant_wind_lifts_the_wire_as_a_parabola():
 @pytest.mark.interpreted
 def test_the_window_meets_the_same_wind():
     """Loads at a contact point that moves, and jumps ahead, do not depend on what of the line moves."""
-    some = {"moving_window.ahead": 15.0, "moving_window.behind": 15.0}
+    some = {"moving_window.behind": 15.0}
     whole, part = (
         blown(effects, spans=4, element=3.0, components=10, position=70.0, lift_coefficient=0.1, **values)
         for effects, values in (((), {}), (("moving_window",), some))

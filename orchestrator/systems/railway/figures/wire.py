@@ -46,10 +46,12 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
     record = passages[0].record
     for k, (x, uplift) in enumerate(zip(passages[0].supports, record.uplifts, strict=True)):
         colour, inside = CYCLE[k % len(CYCLE)], start - 1e-6 <= x <= end + 1e-6
+        followed = ~np.isnan(uplift)
+        until = "" if followed.all() else f", not followed from {record.time[~followed][0]:.2f} s on"
         trace, _ = dense_line(
-            record.time,
-            1e3 * uplift,
-            f"support at {x:g} m",
+            record.time[followed],
+            1e3 * uplift[followed],
+            f"support at {x:g} m{until}",
             colour,
             2.0 if inside else 1.2,
             points=4000,
