@@ -149,7 +149,7 @@ def explicit_steps(t, h, n, motion, mesh, rows, laws):
     if laws.damping is not None:
         alpha, beta = laws.damping.alpha, laws.damping.beta
     follow_speed(x, points, mesh, motion.window, alpha, beta)
-    found = motion.window[FOUND:]
+    moving = motion.window[FOUND:]
     d, before = h / n, 3 * row_length(N)
     for values in (q, w, a):
         for k in range(mesh.clamped.size):  # as the wire that it is clamped to; from here on they move alike
@@ -175,11 +175,11 @@ def explicit_steps(t, h, n, motion, mesh, rows, laws):
             share = follow_gusts(t + s, lo, hi, loads, mesh, motion.gusts)
             one, other = loads[LOADS + first : LOADS + end], loads[LOADS + N + first : LOADS + N + end]
             accelerate_by_gusts(share, one, other, over_mass[first:end], a[first:end])
-        for k in range(int(found[0]), int(found[1])):
+        for k in range(int(moving[0]), int(moving[1])):
             change = dropper_tension(k, q, mesh, laws.slack) - mesh.preload[k]
             a[mesh.lower[k]] += change * over_mass[mesh.lower[k]]
             a[mesh.upper[k]] -= change * over_mass[mesh.upper[k]]
-        for k in range(int(found[2]), int(found[3])):
+        for k in range(int(moving[2]), int(moving[3])):
             for j in range(W * mesh.support[k], W * mesh.support[k] + W):
                 a[j] -= over_mass[j] * mesh.ground[j] * q[j]
         for k in range(points.shape[0]):
@@ -195,9 +195,9 @@ def explicit_steps(t, h, n, motion, mesh, rows, laws):
         if lo > 1:  # an edge inside the wire: a dashpot that lets waves out
             for j in range(first, first + W):
                 a[j] -= over_mass[j] * mesh.impedance[j] * w[j]
-        for k in range(int(found[4]), int(found[5])):
+        for k in range(int(moving[4]), int(moving[5])):
             a[mesh.clamp[k]] += a[mesh.clamped[k]]
-        for k in range(int(found[4]), int(found[5])):
+        for k in range(int(moving[4]), int(moving[5])):
             a[mesh.clamped[k]] = a[mesh.clamp[k]]
     motion.counts[0] += n
     motion.counts[1] += n
