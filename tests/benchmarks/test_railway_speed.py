@@ -86,17 +86,17 @@ def test_accuracy_costs(reference):
 
 
 def test_cost_over_the_number_of_spans():
-    """Linear without the window, flat with it; stepping time of equal runs near the start of longer and longer lines.
+    """Linear where the whole line moves, flat behind the front; stepping time of equal runs near the start of longer and longer lines.
 
     A fine mesh makes the wires the whole cost, so that nothing fixed blurs the ratios.
     """
     print()
     seconds = {}
-    for effects in ([], ["moving_window"]):
+    for threshold in (0.0, 1e-4):
         for spans in (10, 20, 60):
-            fine = scene(1e-3, effects, spans, element=0.125, substep=1e-4).with_changes({"stop_time": 2.0})
-            _, seconds[spans, bool(effects)] = best(fine, runs=3)
-            print(f"  {spans} spans, {'window' if effects else 'whole line'}: {seconds[spans, bool(effects)]:.3f} s")
+            fine = scene(1e-3, (), spans, element=0.125, substep=1e-4, front_threshold=threshold).with_changes({"stop_time": 2.0})
+            _, seconds[spans, threshold > 0.0] = best(fine, runs=3)
+            print(f"  {spans} spans, {'front' if threshold else 'whole line'}: {seconds[spans, threshold > 0.0]:.3f} s")
     assert 1.6 < seconds[20, False] / seconds[10, False] < 2.6
     assert 4.5 < seconds[60, False] / seconds[10, False] < 9.0  # 6 if linear; long lines leave the processor's nearest cache
     assert seconds[60, True] < 1.25 * seconds[10, True]
