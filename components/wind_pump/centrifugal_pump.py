@@ -38,7 +38,7 @@ class CurveTable(Effect):
         "flow [l/s],head [m],power [W]\n0,30,180\n0.6,27,315\n1.2,20,428\n1.8,9.2,470\n",
         "flow, head and power, or efficiency, as a CSV table; a scene may name its file",
     )
-    beyond = flag("whether the flow lies behind the last row of the table", feedthrough=("speed", "head"))
+    beyond = flag("1 where the flow lies behind the last row of the table", feedthrough=("speed", "head"))
 
 
 class CentrifugalPump(StatelessComponent):
