@@ -14,6 +14,7 @@ from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
 from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, place_of
 from cosimo.orchestrator.harness.studies.quantities import distances, recording
 from cosimo.orchestrator.judgement.verification import run as run_verified
+from cosimo.orchestrator.run.run_record import RunRecord, VerificationRecord
 from cosimo.orchestrator.scene.files import scene_files
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.commands import exit_code
@@ -100,7 +101,8 @@ def test_the_repetition_gives_the_errors_of_the_quantities():
     ],
 )
 def test_only_what_was_verified_is_called_so(verification, word, capsys):
-    result = SimpleNamespace(scene=SCENE, info={"verification": verification})
+    record = VerificationRecord(**{"why": "", **verification})
+    result = SimpleNamespace(scene=SCENE, info=RunRecord(outcome="done", verification=record))
     assert is_verified(result, 0.01) == word.startswith("verified")
     assert word in capsys.readouterr().out.replace("\n", " ")
 
