@@ -302,7 +302,7 @@ def test_a_library_that_changes_the_directory_of_the_run_does_not_move_its_resul
 
 def test_warnings_of_a_unit_reach_the_run_and_a_time_limit_does_nothing_to_a_unit_that_answers():
     result = run(read_scene(troubled("warning", time_limit=60.0)))
-    assert (result.outcome, result.info.warnings) == ("done", ["the oil is old"])
+    assert (result.outcome, result.info.warnings) == ("done", ("the oil is old",))
 
 
 def test_rollback_and_packed_states_through_a_worker():

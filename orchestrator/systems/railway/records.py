@@ -202,8 +202,8 @@ def passages(result: Result) -> list[Passage]:
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         supports = _support_positions(result, catenary, watched)
-        rear = result.columns.get(f"{catenary}.moving_window.rear", np.zeros(result.time.size))
-        uplifts = tuple(np.where(rear <= x, result.columns[n], np.nan) for n, x in zip(watched, supports, strict=True))
+        end = result.columns.get(f"{catenary}.moving_window.rear", np.zeros(result.time.size))
+        uplifts = tuple(np.where(end <= x, result.columns[n], np.nan) for n, x in zip(watched, supports, strict=True))
         record = ContactRecord(result.time, position, force, height, uplifts)
         all_passages.append(Passage(contact.unit, catenary, speed, record, supports))
     named = {p.pantograph: p for p in all_passages}
