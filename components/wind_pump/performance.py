@@ -34,15 +34,10 @@ def performance_of(text: str, with_pitch: bool, name: str) -> Performance:
     where = f"{name}: {PLACE}"
     whole = table_of(text, where)
     column = _coefficient(whole)
-    has_pitch = whole.place(PITCH) is not None
-    if has_pitch != with_pitch:
-        raise BadInput(
-            where,
-            "a column of pitch" if has_pitch else "no column of pitch, with the effect 'pitch'",
-            "pitch in the table and as an effect, or in none of them",
-            "Switch the effect 'pitch' on." if has_pitch else "Add a column 'pitch [deg]', or leave the effect off.",
-        )
-    if not has_pitch:
+    if whole.place(PITCH) is None:
+        if with_pitch:
+            remedy = "Add a column 'pitch [deg]', or leave the effect off."
+            raise BadInput(where, "no column of pitch, with the effect 'pitch'", "a table over the pitch, too", remedy)
         table, rows = read_curve(text, where, {RATIO: "1", column: "1"})
         return _of_rows(table, rows[0], np.zeros(1), rows[1:], column)
     whole.only((RATIO, PITCH, column), f"{RATIO}, {PITCH} and {column}")
@@ -57,6 +52,10 @@ def performance_of(text: str, with_pitch: bool, name: str) -> Performance:
             where,
             f"{ratio.size} rows for {pitches.size} pitches and {ratios.size} ratios",
             "a row for each pitch at each ratio, at least two of either",
+        )
+    if not with_pitch and not pitches[0] <= 0.0 <= pitches[-1]:
+        raise BadInput(
+            where, f"pitches from {pitches[0]:g} to {pitches[-1]:g} deg", "a pitch of 0", "Switch the effect 'pitch' on."
         )
     return _of_rows(whole, ratios, pitches, grid, column)
 

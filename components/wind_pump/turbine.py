@@ -34,18 +34,19 @@ class Pitch(Effect):
 class PerformanceTable(Effect):
     """The turbine's own curve, measured or computed, in the place of the fits.
 
-    A CSV table with a header and one column of `power_coefficient` or `torque_coefficient` over `tip_speed_ratio`, and, with the
-    effect `pitch`, a column `pitch [deg]`: the same ratios for each pitch. Between the ratios a cubic without overshoot of the
-    torque coefficient, between the pitches a straight line; before the first and behind the last row the coefficient stays as it
-    is. So the table has to end at runaway, where the power is 0 or negative. At a ratio of 0 a power coefficient says nothing of
-    the torque: such a row is left out, and a rotor starts with the torque coefficient of the next one.
+    A CSV table with a header and one column of `power_coefficient` or `torque_coefficient` over `tip_speed_ratio`, and, where needed,
+    `pitch [deg]`: the same ratios for each pitch; without the effect `pitch` that of 0 counts. Between the ratios a cubic without
+    overshoot of the torque coefficient, between the pitches a straight line; before the first and behind the last row the coefficient
+    stays as it is. So the table has to end at runaway, where the power is 0 or negative. At a ratio of 0 a power coefficient says
+    nothing of the torque: such a row is left out, and a rotor starts with the torque coefficient of the next one.
     """
 
     explicit_only = True
     replaces = ("curve", "standstill_coefficient", "runaway_ratio")
 
     table = text(
-        "tip_speed_ratio,torque_coefficient\n0,0.5\n1.2,0.25\n2.4,0\n", "coefficients as a CSV table; a scene may name its file"
+        "pitch [deg],tip_speed_ratio,torque_coefficient\n0,0,0.5\n0,1.2,0.25\n0,2.4,0\n20,0,0.2\n20,1.2,0.05\n20,2.4,-0.02\n",
+        "coefficients as a CSV table; a scene may name its file",
     )
 
 

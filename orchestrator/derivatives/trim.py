@@ -27,6 +27,7 @@ from .newton import ROUNDING, Solution, newton
 from .state_map import StateMap
 
 INSIDE, SURE = 1e-7, 1e-11  # of the sizes: what residuals may leave, and what tells without corrections that vanish
+ASIDE = 1e-9  # of the largest move: a heading that nothing holds is known to rounding only, and leads a motion aside by it
 ACTS = 1e-13  # derivatives below are none
 WORDS = {True: "stable", False: "unstable", None: "not known"}
 LEAST = 1e-3  # size of what is judged: smaller numbers may be rounding
@@ -265,7 +266,9 @@ class _Search:
         names, period = self.map.names(), step.steps * step.h
         self._equations(np.concatenate([z, p]))
         seen = (np.abs(self._by_outputs) > ACTS).any(axis=0)
-        far = np.abs(self._moves) > SURE * np.maximum(solution.size[:n], LEAST)
+        far = np.abs(self._moves) > np.maximum(
+            SURE * np.maximum(solution.size[:n], LEAST), ASIDE * np.abs(self._moves).max(initial=0.0)
+        )
         moves = {int(k): float(self._moves[k] / period) for k in np.flatnonzero(far & seen)}
         if refused := [f"{self._alias(k)} by {rate:.6g} per s" for k, rate in moves.items() if not self._may_move(k)]:
             remedy = "It acts on nothing else: it may be left out with moving (--moving)."

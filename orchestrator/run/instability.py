@@ -106,7 +106,9 @@ class InstabilityMonitor(BatchObserver):
             moved = looks[:, 0] - self._origin
             self._count += len(looks)
             with np.errstate(over="ignore", invalid="ignore"):
-                self._moments += np.stack([moved.sum(axis=0), np.square(moved).sum(axis=0), np.square(missed).sum(axis=0)])
+                self._moments = self._moments + np.stack(
+                    [moved.sum(axis=0), np.square(moved).sum(axis=0), np.square(missed).sum(axis=0)]
+                )
         return np.stack((np.abs(looks[:, 0]), missed), axis=1)
 
     def close(self, t: float) -> None:

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Effect
-from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
+from cosimo.tests.contract.configurations import (
+    SMALL,
+    bits,
+    compatible,
+    excite,
+    in_plain_python,
+    slope_inputs,
+    small,
+    with_required,
+)
 
 pytestmark = pytest.mark.interpreted
 SINGLE = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
@@ -92,7 +101,7 @@ def test_effects_take_part_once_they_are_on(component):
     cls = component_class(component)
     off = cls(parameters=SMALL[component])
     trajectory(off)
-    on = cls(compatible(cls), SMALL[component])
+    on = cls(compatible(cls), small(component, compatible(cls)))
     trajectory(on)
     if cls.effects:
         assert not np.array_equal(off.y, on.y[: off.y.size])

@@ -130,6 +130,7 @@ class AdaptiveStepping(Stepping):
         if self._crossings is not None:
             self._crossings.start_step()
         ends: int | None = None  # ticks from here to where a unit ends the simulation
+        failed: StepFailed | None = None
         while True:
             length = ends or self._length(stop)
             try:
@@ -153,13 +154,17 @@ class AdaptiveStepping(Stepping):
                     ) from failure
                 self.counts["failed"] += 1
                 control.fail(length)
+                failed = failure
             else:
                 taken = reached - self.tick
                 if control is None or error <= 1.0 or not self._rollback or taken <= control.unit:
                     break
                 self.counts["rejected"] += 1
                 control.reject(taken, error, order)
-            self._back()
+            try:
+                self._back()
+            except StepFailed as gone:  # its worker process has ended, say: what it failed of is the news
+                raise failed or gone from None
         self.tick = reached
         self.counts["accepted"] += 1
         if control is not None:
@@ -247,9 +252,9 @@ class AdaptiveStepping(Stepping):
     def state(self) -> dict[str, Any]:
         control, crossings = self.control, self._crossings
         return {
-            "counts": self.counts,
+            "counts": dict(self.counts),
             "range": [self.shortest, self.longest],
-            "signs": crossings.signs if crossings else [],
+            "signs": list(crossings.signs) if crossings else [],
             "control": control.state() if control else {},
             "behind_event": self._behind_event,
         }

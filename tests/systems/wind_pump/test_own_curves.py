@@ -52,6 +52,8 @@ def test_between_its_rows_the_torque_coefficient_is_the_cubic_of_scipy():
 
 
 def test_between_two_pitches_it_is_straight_and_outside_it_stays():
+    feathered = turbine(AFFINE, start_speed=4.0)  # without the effect
+    assert feathered["power_coefficient"] == pytest.approx(1.2 * 0.3 * (1.0 - 1.2 / 3.0), rel=1e-13)
     for degrees, coefficient in ((0.0, 0.3), (5.0, 0.25), (10.0, 0.2), (-3.0, 0.3), (40.0, 0.2)):
         unit = turbine(AFFINE, ["pitch"], start_speed=4.0)
         unit.set("pitch.angle", math.radians(degrees))
@@ -70,7 +72,7 @@ def test_between_two_pitches_it_is_straight_and_outside_it_stays():
         (powers((-1, 1), (0.3, 0.0)), (), "ratios of 0 or more"),
         (powers((0, 1, 2), (0.1, 0.3, 0.0)), (), "at standstill"),
         ("tip_speed_ratio,power_coefficient\n1,0.3\n2,\n", (), "1 whole rows of 2"),
-        (AFFINE, (), "Switch the effect 'pitch' on"),
+        (AFFINE.replace("0,", "5,", 1).replace("\n0,", "\n5,"), (), "Switch the effect 'pitch' on"),
         (powers(), ("pitch",), "Add a column 'pitch"),
         (AFFINE.replace("10,3,", "10,4,"), ("pitch",), "a row for each pitch at each ratio"),
         (AFFINE.replace("pitch [deg]", "pitch"), ("pitch",), "a name with its unit"),
