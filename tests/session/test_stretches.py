@@ -1,5 +1,6 @@
 """What judges a run from the states of an open scene: stretches of another step, units by themselves, pushed inputs."""
 
+import cosimo
 import numpy as np
 import pytest
 from cosimo.orchestrator.opened.open_scene import started
@@ -49,3 +50,16 @@ def test_a_unit_that_steps_alone_is_left_as_it_was(opened):
     open_scene.alone("mass", 1e-3)
     assert open_scene.units["mass"].work() != steps
     assert course.save().master.units == before.master.units
+
+
+def test_a_state_keeps_the_counters_of_step_control_as_they_were():
+    control = {"method": "doubling", "relative": 1e-4, "absolute": 1e-6}
+    with cosimo.open(cosimo.load_scene("mass-on-spring").with_changes({"master.control": control})) as sim:
+        sim.initialize()
+        sim.step(3)
+        state = sim.save()
+        before = bytes(state)
+        sim.step(5)
+        assert bytes(state) == before
+        sim.restore(state)
+        assert bytes(sim.save()) == before

@@ -181,7 +181,9 @@ def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble
 def test_step_control_does_not_hide_why_a_worker_has_died():
     """A shorter step needs the state before it, which a dead process cannot take back."""
     scene = troubled("segfault")
-    result = run(read_scene(scene | {"master": {"step": 0.1, "control": {"method": "doubling", "relative": 1e-3, "absolute": 1e-3}}}))
+    result = run(
+        read_scene(scene | {"master": {"step": 0.1, "control": {"method": "doubling", "relative": 1e-3, "absolute": 1e-3}}})
+    )
     assert (result.outcome, "ended by signal 11 (Segmentation fault)" in result.message) == ("failed", True), result.message
 
 

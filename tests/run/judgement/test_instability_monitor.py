@@ -69,6 +69,14 @@ def test_a_motion_that_swings_up_and_is_followed_goes_on():
     assert np.abs(result["m.x_out"]).max() > 1e6
 
 
+def test_what_an_unstable_run_has_missed_does_not_depend_on_batches():
+    """Steps in batches are looked at again up to the one that ends the run; each look counts once."""
+    scene = load_scene("mass-on-spring").with_changes({"master.step": 0.124, "stop_time": 960.0})
+    batches, single = (run(scene, in_process=here) for here in (True, False))
+    assert (batches.outcome, single.outcome, batches.rows) == ("unstable", "unstable", single.rows)
+    assert batches.info.missed == single.info.missed
+
+
 def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     """By the account of the bond alone: the inputs' own growth is not looked at here."""
     made = InstabilityMonitor.__init__
