@@ -41,7 +41,7 @@ class SignalRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class WindowsRecord:
-    """WindowsRecord that were repeated: their begins and their length, s; signals that are slower than one, and that grow in one."""
+    """Windows of a run that were repeated: their begins and their length, s; signals that are slower than one, and that grow in one."""
 
     begins: tuple[float, ...]
     length: float
