@@ -83,7 +83,8 @@ def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
     """Everything else on, one effect off, against the component that never had it: kernels get the same, number by number."""
     cls = component_class(component)
     others = [e for e in compatible(cls) if effect not in with_required(cls, e)]
-    here, bare = cls(others, SMALL[component]), stripped(cls, effect)(others, SMALL[component])
+    given = small(component, others)
+    here, bare = cls(others, given), stripped(cls, effect)(others, given)
     assert (here.inputs, here.outputs, here.parameters) == (bare.inputs, bare.outputs, bare.parameters)
     assert here.u.tobytes() == bare.u.tobytes()
     given, wanted = (one._declared_arguments() for one in (here, bare))

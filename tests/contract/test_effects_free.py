@@ -9,7 +9,16 @@ from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.integrators import OdeComponent, rk4
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
+from cosimo.tests.contract.configurations import (
+    SMALL,
+    bits,
+    compatible,
+    excite,
+    in_plain_python,
+    slope_inputs,
+    small,
+    with_required,
+)
 from cosimo.tests.contract.never_written import never_written, python, stripped
 from cosimo.tests.contract.test_effects_absent import SINGLE
 from cosimo.tests.contract.test_effects_absent import stripped as undeclared
@@ -55,7 +64,8 @@ def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(componen
     """All others on, this one off, against the component in which nobody has declared it."""
     cls = component_class(component)
     others = [e for e in compatible(cls) if effect not in with_required(cls, e)]
-    here, bare = cls(others, SMALL[component]), undeclared(cls, effect)(others, SMALL[component])
+    given = small(component, others)
+    here, bare = cls(others, given), undeclared(cls, effect)(others, given)
     calls, rows = calls_of(here)
     wanted, same = calls_of(bare)
     assert calls == wanted
@@ -85,7 +95,7 @@ def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(componen
     from cosimo.components.core.compiler import OPTIONS
 
     cls = component_class(component)
-    made, full = cls((), SMALL[component]), cls(compatible(cls), SMALL[component])
+    made, full = cls((), SMALL[component]), cls(compatible(cls), small(component, compatible(cls)))
     for one in (made, full):
         one.initialize(0.0)
     source = cls.kernels.derivatives

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.fmus.build import built
-from cosimo.tests.contract.configurations import SMALL, compatible, in_plain_python
+from cosimo.tests.contract.configurations import compatible, in_plain_python, small
 from cosimo.tests.fmus.driver import OK, Driven
 from cosimo.tests.short_run import full_but
 
@@ -40,7 +40,7 @@ def swing(variable):
 def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     effects = compatible(component_class(name)) if wanted else ()
     # a variant that knows all effects, with few elements
-    chosen = {n: v for n, v in SMALL[name].items() if isinstance(v, str) or n == "element"}
+    chosen = {n: v for n, v in small(name, effects).items() if isinstance(v, str) or n == "element"}
     component = component_class(name)(effects, chosen)
     unit = Driven(built(name))
     start = chosen | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep" and not component.unused([n])}
