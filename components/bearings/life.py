@@ -43,7 +43,7 @@ class RatingLife(Effect):
         "standing", TURNING_LOADS, "whether the load stands still, or turns with the shaft as that of an unbalance does"
     )
 
-    equivalent_load = output("N", "equivalent reference load P: the life is (C / P)^3", nominal=100.0, feedthrough=EVERYTHING)
+    equivalent_load = output("N", "equivalent reference load P: the life is (C / P)³", nominal=100.0, feedthrough=EVERYTHING)
     rate = output("1/s", "share of the rating life that passes in a second", nominal=1e-8, feedthrough=EVERYTHING)
 
 
