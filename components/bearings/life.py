@@ -34,8 +34,6 @@ class RatingLife(Effect):
     The life in hours, at 90 % reliability, is 1 / (3600 mean rate). It counts fatigue alone, of a bearing whose rings do not slip.
     """
 
-    read_by = ("initialize", "step", "outputs")
-
     load_rating = parameter(
         25.5e3, "N", "basic dynamic radial load rating C, from the bearing's data sheet", low=1.0, nominal=1e4
     )

@@ -12,7 +12,7 @@ import math
 
 from ..core.kernels import kernel
 
-BETZ = 16.0 / 27.0
+BETZ = 16.0 / 27.0  # largest power coefficient
 CURVES = ("farm", "heier", "simple", "variant")
 FARM, HEIER, SIMPLE, VARIANT = range(4)
 SLOW, FAST = 0.5, 100.0

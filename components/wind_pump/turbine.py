@@ -13,14 +13,13 @@ from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switc
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import choice, input_, output, parameter, text
-from .curves import CURVES, FARM, torque_coefficient
+from .curves import BETZ, CURVES, FARM, torque_coefficient
 from .performance import coefficient_of_table, performance_of, prepare
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 LARGEST_NUMBER = 1e12  # of a ratio: where the wind dies under a turning rotor, the torque is that of no wind long before
 LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
-BETZ = 16.0 / 27.0  # largest power coefficient
 STEEPNESS = 400  # pieces of the curve whose slopes are compared, up to the largest ratio
 ABOVE_BETZ, STATIC_BELOW_KINETIC = OWN + 1, OWN + 2
 

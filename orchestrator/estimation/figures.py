@@ -63,14 +63,11 @@ def figure_bands(filtered: FilteredScene, track: Track, where: str) -> tuple[Fig
     base = Result(scene, np.array(track.time), {}, {}, units, RunRecord(outcome="done"))
     if not wanted and not known_results(_path(filtered, base, ends, np.array(track.values)[:, places], {})):
         return ()
+    inputs = {f"{unit}.{name}" for unit, interface in scene.coupling.interfaces.items() for name in interface.inputs}
     values, q = drawn_paths(track, places)
     of_paths: list[Figures] = []
     for s in range(values.shape[2]):
-        numbers = {
-            u.name: u.bounds.outer(v)
-            for u, v in zip(model.unknowns, q[:, s], strict=True)
-            if u.name.split(".", 1)[1] not in scene.coupling.interfaces[u.name.split(".", 1)[0]].inputs
-        }
+        numbers = {u.name: u.bounds.outer(v) for u, v in zip(model.unknowns, q[:, s], strict=True) if u.name not in inputs}
         result = _path(filtered, base, ends, values[:, :, s], numbers)
         rows = after_transient(result)
         figures = known_results(result)
