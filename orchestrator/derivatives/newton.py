@@ -16,6 +16,7 @@ CLOSE = 1e-8  # of the sizes: corrections that need not fall any more, for round
 SINGULAR = 1e-12  # singular values below are none
 ONCE = 1e-3  # of what an unknown has been: what is 0 in the end has a size, too
 TINY = 1e-9  # the least size, in whatever unit: smaller numbers are what rounding leaves of 0
+GAIN = 1e-9  # of what is left of equations that need not hold: less is rounding, and no correction follows it
 UNKNOWN = 1e-6  # size of what nothing tells the size of
 
 Equations = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -75,8 +76,10 @@ def correction(matrix: np.ndarray, residual: np.ndarray, size: np.ndarray, prima
     kept = np.ones(len(scaled), dtype=bool) if primary is None else primary
     first, free = _least(scaled[kept], wanted[kept])
     further, rest = scaled[~kept] @ free, wanted[~kept] - scaled[~kept] @ first
+    second = _least(further, rest)[0]
+    gain = np.abs(further @ second).max(initial=0.0)
     change = np.zeros(size.size)
-    change[acting] = first + free @ _least(further, rest)[0]
+    change[acting] = first + (free @ second if gain > GAIN * np.abs(rest).max(initial=0.0) else 0.0)
     return change * size
 
 

@@ -107,6 +107,7 @@ class Shooting:
     # -- what turns, and what is left out ----------------------------------------------------------------------------
     def _phase(self) -> None:
         """The cell that fixes the phase, those that are angles, and those that act on nothing and are left out."""
+        self.map.begin(steps=self._every)  # over a period the motion itself is a direction that is kept
         z, names = self.map.z, self.map.names()
         n = z.size
         later = self.map.run(z, LATER * self.map.step.steps)
@@ -251,9 +252,10 @@ class Shooting:
         if (np.ptp(change, axis=0) > REPEATS * largest * np.ptp(rows, axis=0) + ACTS).any():
             return "its second period is not its first: a mode, such as sticking, is another at its end than at its start"
         if np.abs(multipliers - 1.0).min(initial=1.0) < NEUTRAL:
-            values, vectors = np.linalg.eig(self._across_motion())
-            cell = np.flatnonzero(self.kept)[np.abs(vectors[:, np.abs(values - 1.0).argmin()]).argmax()]
-            return f"nothing restores {self.map.names()[cell]} (a multiplier of 1): orbits lie side by side at one value"
+            values, left = np.linalg.eig(self._across_motion().T)  # what keeps its value, such as a momentum
+            cell = np.flatnonzero(self.kept)[np.abs(left[:, np.abs(values - 1.0).argmin()]).argmax()]
+            what = "orbits lie side by side at one value, or a joint sticks all the time"
+            return f"nothing restores {self.map.names()[cell]} (a multiplier of 1): {what}"
         return ""
 
     # -- finding one -------------------------------------------------------------------------------------------------
@@ -321,7 +323,7 @@ class Shooting:
             solution = newton(square, x)
         except StepFailed:
             return None
-        if not (solution.converged and (solution.left <= INSIDE).all()):
+        if not (solution.left <= (INSIDE if solution.converged else 0.0)).all():  # where a joint sticks, no correction vanishes
             return None
         return np.append(solution.x, unknown[-1:]) if self.parameter else solution.x
 

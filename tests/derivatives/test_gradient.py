@@ -10,6 +10,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.scene.names import numerical_of
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 FIGURE = "mass.base_x, maximum"
@@ -98,6 +99,11 @@ def test_settings_of_the_numerics_are_refused(scene):
     study = cosimo.gradient(scene.with_changes({"stop_time": 0.1}), FIGURE, ["mass.substep", "mass.mass"], halved=False)
     assert set(study.refused) == {"mass.substep"}
     assert {s.parameter for s in study.slopes} == {"mass.mass"}
+
+
+def test_settings_of_the_numerics_are_known_in_effects_too():
+    names = ["outer_motor.inductance.substep", "outer_motor.inductance.inductance"]
+    assert numerical_of(cosimo.load_scene("gimbal-scan"), names).keys() == {"outer_motor.inductance.substep"}
 
 
 def test_a_transient_longer_than_the_run_is_refused(scene):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import ExitStack
 
 import cosimo
 import numpy as np
@@ -16,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 if COMPILED:
     from cosimo.orchestrator.derivatives.continuation import DOUBLING, FOLD, TORUS, orbits
-    from cosimo.orchestrator.derivatives.orbit import Forcing
+    from cosimo.orchestrator.derivatives.orbit import Forcing, Shooting
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 
@@ -50,7 +51,7 @@ def robot(amplitude: float, frequency: float, *effects: str, **parameters):
     return alone("PipeRobot", ["harmonic_force", *effects], 1e-3, **driven, **parameters)
 
 
-@pytest.mark.parametrize(("amplitude", "frequency"), [(40.0, 60.0), (20.0, 110.0)])
+@pytest.mark.parametrize(("amplitude", "frequency"), [(40.0, 60.0), (20.0, 110.0), (40.0, 85.0)])
 def test_orbits_with_sticking_are_those_of_the_run(amplitude, frequency):
     """Friction that sticks for a part of the period: its mode at the start of the run is another."""
     scene = robot(amplitude, frequency)
@@ -65,8 +66,17 @@ def test_orbits_with_sticking_are_those_of_the_run(amplitude, frequency):
 
 
 def test_what_closes_once_and_not_again_is_no_orbit():
-    with pytest.raises(BadInput, match="its second period is not its first"):
-        orbits(robot(40.0, 85.0))
+    """Sought from the very start, where the robot rests: the mode of friction there is another than a period later."""
+    with ExitStack() as stack:
+        shooting = Shooting(robot(40.0, 85.0), stack, Forcing())
+        found = shooting.solve(shooting.start(None, 0))
+        assert "its second period is not its first" in shooting.orbit(found).refused
+
+
+def test_a_robot_that_sticks_all_the_time_is_refused_by_the_state_that_nothing_restores():
+    """A force of 10 N at 20 rad/s does not overcome its friction: where it rests is where it was put."""
+    with pytest.raises(BadInput, match=r"nothing restores unit.x\[1\] .* or a joint sticks all the time"):
+        orbits(robot(10.0, 20.0))
 
 
 def test_a_motion_that_nothing_restores_has_no_orbit_that_stands_alone():

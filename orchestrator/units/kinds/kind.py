@@ -116,7 +116,7 @@ class UnitKind(ABC):
 
     def numerical(self, parameter: str) -> str:
         """Why nothing has a derivative by a parameter that sets the numerics; "" for others."""
-        return NUMERICAL.get(parameter, "")
+        return NUMERICAL.get(parameter.rpartition(".")[2], "")  # of an effect, too
 
     # -- scenes --------------------------------------------------------------------------------------------------------
     def prepared(self, entry: Mapping[str, Any]) -> Mapping[str, Any]:
