@@ -1,10 +1,10 @@
-"""Arguments that had another name in an earlier version: one message says the new one."""
+"""Names of earlier versions: of arguments, which one message replaces, and of keys of files, which are still read."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from ..components.core.errors import BadInput
 
@@ -27,6 +27,14 @@ def renamed(**names: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return call
 
     return decorate
+
+
+def with_new_keys(table: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """A table of a file under the names of today; names: old -> new. Raises `BadInput` where it has a key under both."""
+    for old in names.keys() & table.keys():
+        if names[old] in table:
+            raise BadInput(names[old], f"also as {old!r}", "each key once", f"{old!r} is its name of earlier versions.")
+    return {names.get(key, key): value for key, value in table.items()}
 
 
 OUTPUT = renamed(directory="output")  # where results go

@@ -17,10 +17,11 @@ import numpy as np
 
 from ...components.core.errors import BadInput, nearest, pick
 from ..engine.algorithms import Master
+from ..scene.measured import amount
 from ..scene.scene import Scene
 from .answer import Parameter, shown
 from .filtered_scene import FilteredScene, PlanLike, plan_of
-from .measurements import Measurements, amount, sensors_of
+from .measurements import Measurements, sensors_of
 from .suspects import judged
 from .verdict import Verdict, verdict
 
@@ -92,8 +93,8 @@ class Live:
         cells, numbers = self._known(inputs)
         self.model.numbers[cells] = numbers
         self._filter = self._filtered.filter(bool(doubts.suspected), smooth=False, most=WINDOW)
-        self._delays = {m.signal: m.delay for m in wanted.measured}
-        self._last = self.model.step.time + max(self._delays.values())
+        self._measured = wanted.measured
+        self._last = self.model.step.time + max(m.lag for m in wanted.measured)
 
     @property
     def time(self) -> float:
@@ -111,16 +112,19 @@ class Live:
         for name, value in values.items():
             if name not in units:
                 raise BadInput(self._where, repr(name), "a measured signal of the plan", nearest(name, units))
-            number = amount(value, units[name], f"{self._where}: {name}", finite=False)
+            one = self._measured[k := self._sensors.signals.index(name)]
+            if isinstance(value, str) and one.scale != 1.0:
+                raise BadInput(f"{self._where}: {name}", f"{value!r} beside scale = {one.scale:g}", "a number")
+            number = one.scaled(amount(value, units[name], f"{self._where}: {name}", finite=False))
             if not np.isnan(number):  # a gap
-                which.append(self._sensors.signals.index(name))
+                which.append(k)
                 numbers.append(number)
         if infinite := [self._sensors.signals[k] for k, v in zip(which, numbers, strict=True) if not isfinite(v)]:
             raise BadInput(f"{self._where}: {infinite[0]}", "an infinite number", "a number, or NaN for a gap")
         self._filter.belief.put(*self._known(inputs))
-        time = np.array([t - self._delays[self._sensors.signals[k]] for k in which])
+        time = np.array([t - self._measured[k].lag for k in which])
         seen = time > self.time
-        horizon = t - max(self._delays.values())
+        horizon = t - max(m.lag for m in self._measured)
         self._filter.assimilate(horizon, time[seen], np.array(which, dtype=np.intp)[seen], np.array(numbers)[seen])
         self._last = t
         return self.present()

@@ -8,13 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ...components.core.columns import read_table
 from ...components.core.errors import BadInput, nearest
-from ...components.core.measure import is_quantity, number_in
+from ..scene.measured import FEWEST, positive, read_columns
 from ..scene.scene import Scene
 from ..settings.estimate import EstimateSettings, MeasuredSettings
 
-LEAST = 8  # samples of a signal
 Data = Mapping[str, tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray]]  # signal -> time, values
 
 
@@ -47,30 +45,6 @@ class Measurements:
         return noise
 
 
-def amount(given: float | str, unit: str, where: str, of: float = 0.0, finite: bool = True) -> float:
-    """A number in SI units: as it is, of a text with its unit, or of a share of a value `of`; a share of 0 is refused."""
-    if not isinstance(given, str):
-        value = float(given)
-    elif given.strip().endswith("%"):
-        if not of:
-            raise BadInput(where, f"{given} of 0", f"a number in {unit or '1'}")
-        value = number_in(given, "1", where) * abs(of)
-    elif is_quantity(given):
-        value = number_in(given, unit or "1", where, relative=True)
-    else:
-        raise BadInput(where, repr(given), f"a number in {unit or '1'}, or a text with its unit")
-    if finite and not np.isfinite(value):
-        raise BadInput(where, f"{value}", "a finite number")
-    return value
-
-
-def positive(given: float | str, unit: str, where: str, of: float = 0.0, least: float = 0.0) -> float:
-    """As `amount`, of a number of at least 0, or above it with `least`."""
-    if (value := amount(given, unit, where, of)) < 0.0 or value < least:
-        raise BadInput(where, f"{given}", "a positive number" if least else "a number of at least 0")
-    return value
-
-
 def sensors_of(plan: EstimateSettings, scene: Scene, where: str) -> Measurements:
     """The signals of a plan, with no sample so far; raises `BadInput` for names and units."""
     coupling, noise, none = scene.coupling, [], np.zeros(0)
@@ -98,33 +72,27 @@ def measurements_of(plan: EstimateSettings, scene: Scene, folder: Path, data: Da
         raise BadInput(f"{where}: data", ", ".join(strangers), "signals of [[measured]]", remedy)
     for k, (one, unit) in enumerate(zip(plan.measured, sensors.units, strict=True)):
         place = f"{where}: measured[{k + 1}]"
-        time, values = _given(data[one.signal], place) if one.signal in data else _read(one, unit, folder, place)
-        if time.size < LEAST:
-            raise BadInput(f"{place}: {one.file or one.signal}", f"{time.size} numbers", f"{LEAST} or more")
-        parts.append((time - one.delay, np.full(time.size, k), values))
+        time, values = _given(one, data[one.signal], place) if one.signal in data else _read(one, unit, folder, place)
+        parts.append((time, np.full(time.size, k), values))
     time, which, values = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.argsort(time, kind="stable")
     return replace(sensors, time=time[order], which=which[order], values=values[order])
 
 
-def _given(pair: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray], where: str) -> tuple[np.ndarray, np.ndarray]:
+def _read(one: MeasuredSettings, unit: str, folder: Path, where: str) -> tuple[np.ndarray, np.ndarray]:
+    if not one.file:
+        raise BadInput(f"{where}.file", "nothing", "a CSV file", f"Or give data = {{{one.signal!r}: (time, values)}} in Python.")
+    measured = read_columns(one, folder, (one.time, "s"), unit, where)
+    return measured.x, measured.y
+
+
+def _given(
+    one: MeasuredSettings, pair: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray], where: str
+) -> tuple[np.ndarray, np.ndarray]:
     time, values = (np.asarray(column, dtype=float) for column in pair)
     if time.shape != values.shape or time.ndim != 1 or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
         raise BadInput(f"{where}: data", f"shapes {time.shape} and {values.shape}", "finite rising times and as many values")
     kept = ~np.isnan(values)
-    return time[kept], values[kept]
-
-
-def _read(one: MeasuredSettings, unit: str, folder: Path, where: str) -> tuple[np.ndarray, np.ndarray]:
-    if not one.file:
-        raise BadInput(f"{where}.file", "nothing", "a CSV file", f"Or give data = {{{one.signal!r}: (time, values)}} in Python.")
-    path = folder / one.file
-    table = read_table(path, where, one.separator)
-    time, values = table.numbers(one.time, "s"), table.numbers(one.column or one.signal, unit)
-    line, kept = np.array([number for number, _ in table.rows]), ~np.isnan(time + values)  # loggers leave cells empty
-    line, time, values = line[kept], time[kept], values[kept]
-    if (back := np.flatnonzero(np.diff(time) <= 0.0)).size:
-        k = int(back[0])
-        what = f"{time[k + 1]:.9g} s behind {time[k]:.9g} s of line {line[k]}"
-        raise BadInput(f"{path}, line {line[k + 1]}, column {one.time!r}", what, "times that rise")
-    return time, values
+    if kept.sum() < FEWEST:
+        raise BadInput(f"{where}: {one.signal}", f"{kept.sum()} numbers", f"{FEWEST} or more")
+    return time[kept] - one.lag, one.scaled(values[kept])

@@ -17,11 +17,11 @@ import numpy as np
 from ...components.core.errors import BadInput, nearest
 from ..derivatives.coupled_step import MOST, CoupledStep
 from ..derivatives.tangent_run import TangentScene
+from ..scene.measured import amount, positive
 from ..scene.names import declared, numerical_of, variable_of
 from ..scene.scene import Scene
 from ..settings.estimate import EstimateSettings, StateSettings
 from .bounds import Bounds
-from .measurements import amount, positive
 
 SURVEYED = 5  # instants at which the cells of the state are looked for
 CONDITION = 1e-9  # relative: an output is one state alone

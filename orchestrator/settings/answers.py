@@ -6,9 +6,9 @@
     [[curves]]                                                        # as in a case of one's own
     signal = "mass.position"
     file = "measured.csv"
-    abscissa = "t"
-    ordinate = "x"
-    deviation = 0.002                                                 # standard deviation of the measurement
+    time = "t"                                                        # columns
+    column = "x"
+    noise = "2 mm"                                                    # standard deviation of the measurement
 
     [[targets]]                                                       # measured numbers of a run
     quantity = "mass.position, maximum"
@@ -27,6 +27,7 @@ from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .case import CurveSettings
+from .measured import Amount, MeasuredColumn
 from .model import Model, Number, Positive, Truth
 from .plan import KeepSettings, LimitSettings, RowsSettings
 
@@ -55,21 +56,15 @@ class FittedCurve(CurveSettings):
     """A measured curve with the standard deviation of its numbers."""
 
     source: str = Field(default="", description="source of the measurement")
-    deviation: Positive | None = Field(
-        default=None,
-        description=(
-            "standard deviation of the measured numbers, in the signal's unit; without it that of the fit's own residuals"
-        ),
+    noise: Amount | None = Field(
+        default=None, description='standard deviation of the measurement, "5 mm"; without it that of the fit\'s own residuals'
     )
 
 
-class SpectrumSettings(Model):
+class SpectrumSettings(MeasuredColumn):
     """A measured spectrum that the spectrum of a signal is compared with, both by the same estimator: Welch's."""
 
-    signal: str = Field(description='"unit.output" of the scene')
-    file: str = Field(description="CSV with one line of names, beside the plan")
     frequency: str = Field(default="frequency", description="column of the frequency (Hz, or the unit of the header)")
-    ordinate: str = Field(description="column of the spectrum")
     kind: Literal["power spectral density", "amplitude spectrum"] = Field(
         default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit"
     )
@@ -81,12 +76,9 @@ class SpectrumSettings(Model):
     low: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(default=0.0, description="Hz, from here on")
     high: Positive | None = Field(default=None, description="Hz, up to here")
     logarithmic: Truth = Field(default=True, description="residuals of natural logarithms; false: of the numbers themselves")
-    separator: Annotated[str, Field(max_length=1)] = Field(
-        default="", description="separator of the columns; default: as in the header"
-    )
     scale: Positive = Field(default=1.0, description="times the measured number gives the signal's unit")
     source: str = Field(default="", description="source of the measurement")
-    deviation: Positive | None = Field(
+    noise: Positive | None = Field(
         default=None,
         description=(
             "standard deviation of the measured numbers, logarithmic: of their logarithm, that is relative; without it that of the "
@@ -136,7 +128,7 @@ class FitSettings(Model):
     @property
     def noise_known(self) -> bool:
         """Whether the standard deviations of all measurements are given."""
-        return bool(self.targets) or all(m.deviation is not None for m in self.measured)
+        return bool(self.targets) or all(m.noise is not None for m in self.measured)
 
     @property
     def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
@@ -149,17 +141,15 @@ class FitSettings(Model):
             raise BadInput(
                 "", "neither curves nor targets nor spectra", "measurements", "Add [[curves]], [[spectra]] or [[targets]]."
             )
-        if any(c.deviation is None for c in self.measured) and (self.targets or len(self.measured) > 1):
+        if any(c.noise is None for c in self.measured) and (self.targets or len(self.measured) > 1):
             raise BadInput(
                 "curves" if self.curves else "spectra",
-                "several measurements without the deviation of each",
-                "deviation = ... of every one",
+                "several measurements without the noise of each",
+                "noise = ... of every one",
                 "They have to be weighed against one another.",
             )
         if self.loss != "linear" and not self.noise_known:
-            raise BadInput(
-                "loss", f"{self.loss!r} without the deviation of the measurement", "deviation = ...", "It tells outliers."
-            )
+            raise BadInput("loss", f"{self.loss!r} without the noise of the measurement", "noise = ...", "It tells outliers.")
         if self.loss != "linear" and self.profile:
             raise BadInput("profile", f"a profile with loss = {self.loss!r}", "loss = 'linear', which is a likelihood")
         return self

@@ -21,10 +21,10 @@ source = "limits"
 
 [[curves]]
 signal = "pantograph.contact_force"
-over = "pantograph.contact_position"               # the measurement's abscissa; without it time
+over = "pantograph.contact_position"               # the measurement stands over a position; without it over time
 file = "force.csv"
-abscissa = "x_m"
-ordinate = "F_N"
+over_column = "x_m"
+column = "F_N"
 cutoff = 20.0
 tolerances = { mean = 0.05, "standard deviation" = 0.2 }
 source = "train"
@@ -32,11 +32,15 @@ source = "train"
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from ...components.core.errors import BadInput
+from ..renamed import with_new_keys
 from .chart import ChartSettings
+from .measured import MeasuredSeries
 from .model import Model, Number, Positive, Truth
 from .plan import RunLimits
 
@@ -58,24 +62,13 @@ class SceneChanges(Model):
     changes: dict[str, Any] = Field(default={}, description="dotted place of a setting of the scene -> its value")
 
 
-class CurveSettings(Model):
+class CurveSettings(MeasuredSeries):
     """A measured curve that a signal of a run is compared with."""
 
-    signal: str = Field(description='"unit.output" of the scene')
     condition: str = Field(default="", description="the run; without it the only one")
-    file: str = Field(description="CSV with one line of names, beside the case's file")
-    abscissa: str = Field(description="column of the time (s, or the unit of the header), or of the signal in `over`")
-    ordinate: str = Field(description="column of the measured signal, in its unit or that of the header, as in F [kN]")
     over: str = Field(default="", description='"unit.output" that rises throughout the run, such as a position; without it time')
-    separator: Annotated[str, Field(max_length=1)] = Field(
-        default="", description="separator of the columns; default: as in the header"
-    )
-    scale: Number = Field(
-        default=1.0,
-        description="times the measured number gives the signal's unit; without it the unit of the header leads there",
-    )
-    offset: Number = Field(default=0.0, description="added after the scale")
-    shift: Number = Field(default=0.0, description="added to the abscissa")
+    over_column: str = Field(default="", description="column of the signal in `over`, in its unit or that of the header")
+    shift: Number = Field(default=0.0, description="added to the time, s, or to the column of `over`, in its unit")
     cutoff: Positive | None = Field(default=None, description="Hz, low-pass filter of both; without it none")
     tolerances: dict[str, Share] = Field(
         default={},
@@ -85,6 +78,23 @@ class CurveSettings(Model):
         ),
     )
     source: str = Field(description="a key of `sources`")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_earlier_versions(cls, data: Any) -> Any:
+        """`abscissa` was the column of the time, or that of `over`."""
+        if not isinstance(data, Mapping):
+            return data
+        return with_new_keys(data, {**cls.FORMER, "abscissa": "over_column" if data.get("over") else "time"})
+
+    @model_validator(mode="after")
+    def _over_what(self) -> CurveSettings:
+        given = self.model_fields_set
+        if self.over and (unused := sorted({"time", "delay"} & given)):
+            raise BadInput(unused[0], f"{getattr(self, unused[0])!r} with over = {self.over!r}", "over_column, or a time alone")
+        if "over_column" in given and not self.over:
+            raise BadInput("over_column", repr(self.over_column), 'over = "unit.output" as well')
+        return self
 
 
 class CaseSettings(Model):

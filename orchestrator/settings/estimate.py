@@ -24,24 +24,16 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...components.core.errors import BadInput
-from .model import Model, Positive, Time, Truth
+from .measured import Amount, MeasuredSeries
+from .model import Model, Positive, Truth
 
-Amount = float | str  # a number in the SI unit, or a text with its unit, or a share: "12 %"
 
-
-class MeasuredSettings(Model):
+class MeasuredSettings(MeasuredSeries):
     """A signal that a sensor has measured."""
 
-    signal: str = Field(description='"unit.output", recorded')
     file: str = Field(default="", description="CSV with a line of names, beside the plan; none where data come from Python")
-    column: str = Field(default="", description="column of the signal; default: the signal's name")
-    time: str = Field(default="time", description="column of the time (s, or the unit of the header)")
     noise: Amount | None = Field(
         default=None, description='standard deviation of the measurement, "5 mm"; without it, it is estimated'
-    )
-    delay: Time = Field(default=0.0, description="s: the sensor shows what was so long before")
-    separator: Annotated[str, Field(max_length=1)] = Field(
-        default="", description="separator of the columns; default: as in the header"
     )
 
 

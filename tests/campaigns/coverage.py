@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 import cosimo
 import numpy as np
 from cosimo.orchestrator.estimation.bounds import Bounds
-from cosimo.orchestrator.estimation.measurements import positive
+from cosimo.orchestrator.scene.measured import positive
 from cosimo.orchestrator.scene.names import declared
 from cosimo.tests.estimation.machines import BEARING, GIMBAL, TROCAR, VEHICLE, Machine
 

@@ -180,7 +180,7 @@ CASE = """title = "Mass"\nscene = "mass-on-spring"\n[sources]\nrig = "a test rig
 [[rows]]\nquantity = "largest"\nmeasure = "mass.base_x, maximum"\nunit = "m"\nlow = 0.0\nhigh = 1e2\nstanding = "verbatim"
 source = "rig"
 """
-CURVE = """[[curves]]\nsignal = "mass.base_x"\nfile = "case.csv"\nabscissa = "t"\nordinate = "x"\nsource = "rig"
+CURVE = """[[curves]]\nsignal = "mass.base_x"\nfile = "case.csv"\ntime = "t"\ncolumn = "x"\nsource = "rig"
 tolerances = { mean = 0.01 }
 """
 PLANS = (

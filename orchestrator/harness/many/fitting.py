@@ -14,7 +14,7 @@ from ...output import write_table
 from ...scene.names import measure_of
 from ...scene.scene import Scene, write_scene
 from ...scene.tolerances import with_tolerances
-from ...settings.answers import FitSettings, FittedCurve
+from ...settings.answers import FitSettings
 from ..analysis.least_squares import Fit, profile_end
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
@@ -220,8 +220,7 @@ class _Fitting:
 
 def _between(comparison: CurveComparison) -> str:
     """What a user should know where the rows of the run are too far apart for the instants of a measurement."""
-    deviation = comparison.curve.deviation if isinstance(comparison.curve, FittedCurve) else None
-    noise = deviation or float(np.std(comparison.simulated - comparison.measured))
+    noise = comparison.noise or float(np.std(comparison.simulated - comparison.measured))
     share = float(np.sqrt(np.mean(comparison.between**2))) / noise if noise > 0.0 else 0.0
     if share <= OF_DEVIATION:
         return ""

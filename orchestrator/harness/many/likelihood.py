@@ -37,9 +37,7 @@ class Likelihood:
         wanted, runs = self._of.wanted, self._of.runs
         if not wanted.noise_known or wanted.loss != "linear":
             self.close()
-            raise BadInput(
-                "likelihood", "a measurement without deviation, or a loss", "the deviation of each, and loss = 'linear'"
-            )
+            raise BadInput("likelihood", "a measurement without noise, or a loss", "the noise of each, and loss = 'linear'")
         self.names, self.low, self.high, self.start = tuple(runs.names), runs.low, runs.high, runs.start()
 
     def __call__(self, x: np.ndarray) -> float:

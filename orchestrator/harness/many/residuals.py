@@ -12,11 +12,12 @@ from typing import Any, Unpack
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...scene.measured import Measured, read_curve, units_of
 from ...scene.scene import Scene
 from ...settings.answers import FitSettings, FittedCurve
 from ...settings.messages import validated
 from ...settings.plan import KeepSettings
-from ..validation.curves import CurveComparison, Measured, compare_curve, read_curve, units_of
+from ..validation.curves import CurveComparison, compare_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
@@ -68,11 +69,11 @@ class Residuals:
 
     def _parts(self, row: PointResult) -> Iterator[tuple[np.ndarray, float]]:
         """Residuals and the standard deviation of each measurement; 1 where that is not known."""
-        for (curve, _), comparison in zip(self.curves, self.compared(self.runs.scene, row), strict=True):
-            deviation = curve.deviation or 1.0
-            yield (comparison.simulated - comparison.measured) / deviation, deviation
+        for comparison in self.compared(self.runs.scene, row):
+            noise = comparison.noise or 1.0
+            yield (comparison.simulated - comparison.measured) / noise, noise
         for s in self.wanted.spectra:
-            yield compare_spectrum(s, self.folder, KeptRun(self.runs.scene, row)).residuals, s.deviation or 1.0
+            yield compare_spectrum(s, self.folder, KeptRun(self.runs.scene, row)).residuals, s.noise or 1.0
         for t in self.wanted.targets:
             yield np.array([(self.target(row, t.quantity) - t.value) / t.deviation]), t.deviation
 

@@ -14,12 +14,13 @@ from pydantic import ValidationError
 from ....components.core.errors import BadInput, nearest, pick
 from ...loading import loading
 from ...scene.files import read_toml
+from ...scene.measured import read_curve, units_of
 from ...settings.case import COMPARED, CaseSettings, CurveSettings
 from ...settings.chart import ChartSettings
 from ...settings.messages import one_message
 from ..studies.quantities import recording
 from .case import Case, Row, compare
-from .curves import CurveComparison, compare_curve, read_curve, units_of
+from .curves import CurveComparison, compare_curve
 from .limits_of_run import judge, named_numbers
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows

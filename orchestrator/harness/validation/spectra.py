@@ -9,10 +9,11 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ....components.core.measure import squared
+from ...scene.measured import FEWEST, read_columns
 from ...settings.answers import SpectrumSettings
 from ..analysis.signals import uniform, welch_spectrum
 from ..charts.chart import Chart, Panel, Series
-from .curves import LEAST, RecordedRun, read_columns
+from .curves import RecordedRun
 
 
 @dataclass(frozen=True)
@@ -29,10 +30,10 @@ class SpectrumComparison:
 
     @property
     def residuals(self) -> np.ndarray:
-        """(n,) simulated less measured over the deviation, of logarithms where the settings say so."""
+        """(n,) simulated less measured over the noise, of logarithms where the settings say so."""
         s = self.settings
         parts = [np.log(x) if s.logarithmic else x for x in (self.simulated, self.measured)]
-        return (parts[0] - parts[1]) / (s.deviation or 1.0)
+        return (parts[0] - parts[1]) / (s.noise or 1.0)
 
     def chart(self) -> Chart:
         """Both over the frequency."""
@@ -53,11 +54,11 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: RecordedRun
     rate, instants, (even,) = uniform(result.time, np.asarray(result[wanted.signal], dtype=float))
     x = even[instants >= result.scene.counts_from]
     samples = round(wanted.segment * rate) if wanted.segment is not None else x.size
-    if not LEAST <= samples <= x.size:
+    if not FEWEST <= samples <= x.size:
         raise BadInput(
             where,
             f"segments of {samples} samples of {x.size}",
-            f"{LEAST} or more, no more than the record has",
+            f"{FEWEST} or more, no more than the record has",
             "Look at segment, the transient and the length of the run.",
         )
     lines, spectrum = welch_spectrum(x, rate, samples, wanted.overlap, wanted.window, wanted.kind)
@@ -83,12 +84,14 @@ def read_spectrum(wanted: SpectrumSettings, folder: Path, unit: str) -> tuple[np
     """(frequency (n,) Hz, spectrum (n,)) of the file between `low` and `high`; unit: of the signal. Faults are one `BadInput`."""
     path = folder / wanted.file
     unit = f"{squared(unit)}/Hz" if unit and wanted.kind == "power spectral density" else unit
-    columns = read_columns(path, (wanted.frequency, "Hz"), (wanted.ordinate, unit), wanted)
-    f, y = columns.abscissa, columns.ordinate
+    measured = read_columns(wanted, folder, (wanted.frequency, "Hz"), unit, "spectrum")
+    f, y = measured.x, measured.y
     kept = (f > 0.0) & (f >= wanted.low) & (f <= (np.inf if wanted.high is None else wanted.high))
     f, y = f[kept], y[kept]
-    if f.size < LEAST:
-        raise BadInput(str(path), f"{f.size} frequencies above 0 and between low and high", f"{LEAST} or more")
+    if f.size < FEWEST:
+        raise BadInput(str(path), f"{f.size} frequencies above 0 and between low and high", f"{FEWEST} or more")
     if (y <= 0.0).any() if wanted.logarithmic else (y < 0.0).any():
-        raise BadInput(str(path), f"{wanted.ordinate} = {y.min():g}", "positive numbers", "Or logarithmic = false, for zeros.")
+        raise BadInput(
+            str(path), f"{wanted.column or wanted.signal} = {y.min():g}", "positive numbers", "Or logarithmic = false, for zeros."
+        )
     return f, y

@@ -158,7 +158,7 @@ def measured(folder, k=400.0, m=1.0, v0=2.0, noise=0.002):
     omega = np.sqrt(k / m)
     x = v0 / omega * np.sin(omega * t) + noise * np.random.default_rng(8).standard_normal(t.size)
     (folder / "measured.csv").write_text("t,x\n" + "".join(f"{a:.6f},{b:.9f}\n" for a, b in zip(t, x, strict=True)))
-    return {"signal": "m.x_out", "file": "measured.csv", "abscissa": "t", "ordinate": "x", "deviation": noise}
+    return {"signal": "m.x_out", "file": "measured.csv", "time": "t", "column": "x", "noise": noise}
 
 
 def test_a_fit_has_the_deviations_of_its_closed_form(tmp_path):

@@ -31,7 +31,7 @@ def measured(tmp_path, seed=0, outliers=0):
     y[rng.choice(TIMES.size, outliers, replace=False)] += 0.1
     text = "\n".join(f"{float(t)!r},{float(v)!r}" for t, v in zip(TIMES, y, strict=True))
     (tmp_path / "measured.csv").write_text(f"t,x\n{text}\n")
-    curve = {"signal": "mass.base_x", "file": "measured.csv", "abscissa": "t", "ordinate": "x", "deviation": NOISE}
+    curve = {"signal": "mass.base_x", "file": "measured.csv", "time": "t", "column": "x", "noise": NOISE}
     return curve, y
 
 
@@ -81,7 +81,7 @@ def test_a_fit_with_profiles_has_the_covariance_and_intervals_of_the_closed_form
 def test_the_ends_of_a_curved_profile_are_where_a_search_of_its_own_finds_them(tmp_path):
     """With few and poor samples the interval of a stiffness is not symmetric."""
     curve, _ = measured(tmp_path)
-    rough = curve | {"deviation": 0.06}
+    rough = curve | {"noise": 0.06}
     names = (STARTS[1], "spring.stiffness")
     found = cosimo.fit(SCENE, plan(rough, *names, profile=True), folder=tmp_path, verify=False).fit
     with cosimo.likelihood(SCENE, plan(rough, *names), folder=tmp_path) as likelihood:
@@ -98,7 +98,7 @@ def test_the_ends_of_a_curved_profile_are_where_a_search_of_its_own_finds_them(t
 
 def test_a_parameter_that_the_data_leave_open_is_said_to_be(tmp_path):
     curve, _ = measured(tmp_path)
-    found = cosimo.fit(SCENE, plan(curve | {"deviation": 5.0}, STARTS[0], profile=True), folder=tmp_path, verify=False).fit
+    found = cosimo.fit(SCENE, plan(curve | {"noise": 5.0}, STARTS[0], profile=True), folder=tmp_path, verify=False).fit
     assert found.intervals[0].tolist() == [-0.5, 0.5]
     assert any("open up to its lower bound" in text for text in found.messages)
 
@@ -134,8 +134,8 @@ def test_deviations_of_a_robust_fit_are_those_of_many_fits(tmp_path):
 
 def test_what_is_no_likelihood_is_refused(tmp_path):
     curve, _ = measured(tmp_path)
-    unknown = {k: v for k, v in curve.items() if k != "deviation"}
-    with pytest.raises(BadInput, match="deviation"):
+    unknown = {k: v for k, v in curve.items() if k != "noise"}
+    with pytest.raises(BadInput, match="noise"):
         cosimo.likelihood(SCENE, plan(unknown, *STARTS), folder=tmp_path)
     with pytest.raises(BadInput, match="loss"):
         cosimo.fit(SCENE, plan(unknown, *STARTS, loss="huber"), folder=tmp_path)

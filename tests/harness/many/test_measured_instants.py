@@ -7,14 +7,15 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.least_squares import fit as least_squares
 from cosimo.orchestrator.harness.many.fitting import fit
-from cosimo.orchestrator.harness.validation.curves import Measured, compare_curve
+from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run.instants import at_instants
+from cosimo.orchestrator.scene.measured import Measured
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import read_scene
 
 C, K, STOP = 2.5, 100.0, 3.0  # N.s/m, N/m of 1 kg; s
 ROWS = np.linspace(0.0, STOP, 601)
-CURVE = {"signal": "m.x_out", "file": "measured.csv", "abscissa": "t", "ordinate": "x"}
+CURVE = {"signal": "m.x_out", "file": "measured.csv", "time": "t", "column": "x"}
 SCENE = {
     "stop_time": STOP,
     "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": K, "c": C, "v0": 1.0}}},
@@ -94,7 +95,8 @@ def test_over_a_position_and_what_is_not_compared_is_counted():
     run = Run(ROWS, 0.5, x_out=decay(ROWS), position=ROWS + 0.2 * ROWS**2)
     at = 2.5 * (np.sqrt(1.0 + 0.8 * x.clip(0.0)) - 1.0)  # s + 0.2 s² = x
     measured = Measured(x, decay(at), empty=3)
-    one = compare_curve(CurveSettings(**CURVE, over="m.position", source="s"), measured, run)
+    curve = CurveSettings(signal="m.x_out", file="measured.csv", over="m.position", source="s")
+    one = compare_curve(curve, measured, run)
     np.testing.assert_allclose(one.simulated, one.measured, atol=1e-7)
     np.testing.assert_allclose(one.time, at[(x >= 0.0) & (x <= 4.8 + 1e-9) & (at >= 0.5)], atol=1e-9)
     assert list(one.left_out.values()) == [3, 16, 6]
@@ -137,7 +139,7 @@ def test_the_command_gives_the_truth_back_at_any_density(samples, tmp_path):
     assert answer.fit.residuals.size == samples
     assert any("1 without a number, 1 outside of the run" in text for text in answer.fit.messages)
     coarse = read_scene(SCENE | {"record": {"interval": 0.05}})
-    noisy = settings | {"curves": [CURVE | {"deviation": 1e-4}]}
+    noisy = settings | {"curves": [CURVE | {"noise": 1e-4}]}
     assert any("reduce record.interval" in text for text in fit(coarse, noisy, folder=tmp_path).fit.messages)
     assert not any("record.interval" in text for text in fit(read_scene(SCENE), noisy, folder=tmp_path).fit.messages)
 

@@ -33,7 +33,7 @@ def measured(folder, k=400.0, c=1.0, noise=0.0, kind="power spectral density"):
     values = s if kind == "power spectral density" else np.sqrt(2.0 * s / (201 * 1e-2))  # of one segment: A = sqrt(2 S df)
     values = values * np.exp(noise * np.random.default_rng(5).standard_normal(f.size))
     (folder / "s.csv").write_text("f,S\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(f.tolist(), values.tolist(), strict=True)))
-    return {"signal": "m.x_out", "file": "s.csv", "frequency": "f", "ordinate": "S", "window": "boxcar", "kind": kind}
+    return {"signal": "m.x_out", "file": "s.csv", "frequency": "f", "column": "S", "window": "boxcar", "kind": kind}
 
 
 @pytest.mark.first(1)
@@ -52,7 +52,7 @@ def test_a_fit_finds_stiffness_and_damping_from_a_spectrum(tmp_path, kind, logar
 
 def test_its_deviations_are_those_of_the_closed_form(tmp_path):
     """Covariance σ² (JᵀJ)⁻¹ with the derivatives of ln S by differences of the closed form."""
-    settings = measured(tmp_path, noise=0.1) | {"deviation": 0.1, "low": 1.0, "high": 20.0}
+    settings = measured(tmp_path, noise=0.1) | {"noise": 0.1, "low": 1.0, "high": 20.0}
     answer = fit(read_scene(SCENE), {"vary": VARY, "spectra": [settings]}, folder=tmp_path)
     f = decay_spectrum(400.0, 1.0)[0]
     kept = (f >= 1.0) & (f <= 20.0)
@@ -88,7 +88,7 @@ def test_estimates_of_a_sine_and_of_noise():
     [
         ({"segment": 5.0}, "segments of 500 samples"),
         ({"low": 49.0}, "frequencies above 0"),
-        ({"ordinate": "P"}, "column 'P'"),
+        ({"column": "P"}, "column 'P'"),
         ({"segment": 0.5}, "first line of segments"),
         ({"window": "han"}, "'hann'"),
         ({"file": "none.csv"}, "can be read"),

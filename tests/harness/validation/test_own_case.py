@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from cosimo import BadInput, load_scene, read_scene, validate, write_scene
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.curves import compare_curve, read_curve
+from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.scene.measured import read_curve
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.tests.support import two_masses
 
@@ -30,8 +31,8 @@ source = "rig"
 signal = "a.x_out"
 condition = "soft"
 file = "measured.csv"
-abscissa = "t"
-ordinate = "x_mm"
+time = "t"
+column = "x_mm"
 separator = ";"
 scale = 1e-3
 tolerances = { mean = 0.01, "standard deviation" = 0.01, difference = 0.01 }
@@ -114,8 +115,8 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         signal="pantograph.contact_force",
         over="pantograph.contact_position",
         file="force.csv",
-        abscissa="x",
-        ordinate="F",
+        over_column="x",
+        column="F",
         cutoff=20.0,
         source="s",
     )
@@ -138,7 +139,7 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         ("high = 100.0", "", "no low and no high"),
         ('source = "rig"\n[[curves]]', 'source = "rug"\n[[curves]]', "rug"),
         ('file = "measured.csv"', 'file = "measure.csv"', "measure.csv"),
-        ('ordinate = "x_mm"', 'ordinate = "x_m"', "x_mm"),
+        ('column = "x_mm"', 'column = "x_m"', "x_mm"),
         ('separator = ";"', 'separator = ","', "no column"),
         ("scale = 1e-3", "scale = 1.0", "scale = 1 beside the unit 'mm', expected scale = 0.001"),
         ("mean = 0.01", "median = 0.01", "median"),
