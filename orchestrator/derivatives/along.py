@@ -65,13 +65,14 @@ class PointDerivatives:
         try:
             if not COMPILED:
                 raise BadInput(scene.name, "no Numba", "machine code, which derivatives are made of")
-            from .tangent_run import TangentScene
+            from .tangent_block import TangentBlock
+            from .tangent_run import recorded
 
-            self._tangents = TangentScene(scene, stack)
+            self._block, self._recorded = TangentBlock(scene, stack), recorded
         except BadInput as error:
             self.reasons = dict.fromkeys(names, str(error))
             return
-        known = self._tangents.parameters()
+        known = self._block.parameters()
         if unknown := [n for n in names if n not in known]:  # the run that the tangents follow cannot have their numbers
             self.reasons = dict.fromkeys(names, f"{', '.join(unknown)}: not a real parameter that derivatives can be taken by")
 
@@ -82,7 +83,7 @@ class PointDerivatives:
             return np.full((0, len(point)), np.nan)
         self.points += 1
         try:
-            base, tangents, at_tie = self._tangents.recorded(point, names)
+            base, tangents, at_tie = self._recorded(self._block, point, names)
         except StepFailed:
             self.missing.update({n: self.missing[n] + 1 for n in names})
             return np.full((0, len(point)), np.nan)

@@ -226,7 +226,7 @@ class _Follower:
         shooting.map.stand(z)
         largest = np.abs(z)
         for _ in range(64):
-            shooting.map.step.advance(max(shooting.steps // 64, 1))
+            shooting.map.block.advance(max(shooting.steps // 64, 1))
             largest = np.maximum(largest, np.where(shooting.angles, 0.0, np.abs(shooting.map.z)))
         states = np.maximum(largest[shooting.kept], 1e-12)
         return np.concatenate([states, [period] if shooting.unknown_period else [], [self.high - self.low]])

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import inf, lcm
+from math import lcm
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -17,9 +18,9 @@ from ...components.core.errors import BadInput
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
 from ..scene.shorter_steps import numbers_in_use
-from .tangent_run import CHUNK, TangentScene
+from .cells import cell_name, owners, states
+from .tangent_block import TangentBlock
 
-SAMPLES = "present", "before", "earlier"  # of a link, the newest first
 MOST = 2000  # cells of a state whose Jacobian is computed
 LONGEST = 1000  # macro steps to a common period
 SAME_INSTANT = 1e-6  # of a macro step: rounding of periods
@@ -53,231 +54,137 @@ def check_steps(scene: Scene, steps: int) -> None:
             raise BadInput(f"linearization of {scene.name}: steps", str(steps), f"a multiple of the {count:g} of {place}")
 
 
-class CoupledStep:
-    """Where a scene stands, as a map of its state over macro steps of length h, s; `begin` or `take` comes first.
+class CoupledState(NamedTuple):
+    """The state of a coupled step where it was found, and the derivative of the common period by it.
 
-    steps: macro steps that units with rates of their own and controllers have in common.
+    cells: (n,) of the block, which the period reads before it writes them.  jacobian: (n, n).  at_tie: (n,) whether a decision has stood
+    at its boundary in the period along a cell of the state.
     """
 
-    def __init__(self, tangents: TangentScene, h: float | None = None, steps: int | None = None):
-        """h, steps: others than those of the scene. Raises `BadInput` where rates have no common period."""
-        self.tangent_scene, self.h = tangents, tangents.scene.master.step if h is None else h
-        self.steps = common_steps(tangents.scene, self.h) if steps is None else steps
-        self._arena, self._n = tangents._arena, tangents.layout.cells
-        self._own = tangents._arena.tangents[: self._n]
-        self._where = f"linearization of {tangents.scene.name}"
-        self._declared = self._declared_cells()
+    cells: np.ndarray
+    jacobian: np.ndarray
+    at_tie: np.ndarray
 
-    # -- where it stands ---------------------------------------------------------------------------------------------
-    def begin(self, seeds: Sequence[int] = (), at: float | None = None) -> None:
+
+class CoupledStep:
+    """Macro steps of a tangent block from where it stands, as a map of its state.
+
+    steps: macro steps that units with rates of their own and controllers have in common.  declared: cells of all x, and of the samples
+    of all links.
+    """
+
+    def __init__(self, block: TangentBlock, h: float | None = None, steps: int | None = None):
+        """h, steps: others than those of the scene. Raises `BadInput` where rates have no common period."""
+        self.block, self._where = block, f"linearization of {block.scene.name}"
+        if h is not None:
+            block.pace(h)
+        self.steps = common_steps(block.scene, block.h) if steps is None else steps
+        links = range(block.master.records.memory.links.size)
+        self.declared = np.array([*states(block), *(cell for k in links for cell in block.samples(k))], dtype=np.intp)
+
+    @property
+    def period(self) -> float:
+        """Of the steps that are common, s."""
+        return self.steps * self.block.h
+
+    def begin(self, seeds: Sequence[int] | np.ndarray = (), at: float | None = None) -> None:
         """At the start of the scene, or begun at a time, s, and on until there are as many samples as inputs are extrapolated from.
 
         seeds: of the first directions the cells of parameters; what follows from these keeps its tangents beside those of `seed`.
         """
-        self.tangent_scene.start(seeds, at)
-        self.stand(self.tangent_scene.scene.start_time if at is None else at)
+        self.block.start(seeds, at)
+        self.block.fill()
 
     def take(self, master: Master, t: float) -> None:
         """Where another opening of the scene stands, at t, s, and on as `begin`."""
-        self.tangent_scene.take(master)
-        self.stand(t)
-
-    def stand(self, t: float) -> None:
-        """Where the scene of tangents stands, at t, s, and on as `begin`."""
-        self.tangent_scene.end_at(inf)
-        self._from, self._taken = t, 0
-        self._clear = self._own.copy()  # the addresses of derivatives
-        pasts = self.tangent_scene.master.records.memory.pasts
-        numbers = self._arena.cells.view(np.int64)
-        places = [[self.tangent_scene._cell("pasts", k, name) for k in range(pasts.size)] for name in ("samples", "degree")]
-        self._cells: np.ndarray | None = None
-        while pasts.size and (numbers[places[0]] <= numbers[places[1]]).any():
-            self.advance(1)
-
-    @property
-    def time(self) -> float:
-        """Where it stands, s."""
-        return self._from + self._taken * self.h
-
-    def advance(self, steps: int) -> None:
-        """Macro steps, with the tangents that there are; raises `StepFailed`."""
-        while steps > 0:
-            some = min(steps, CHUNK)
-            self.tangent_scene.take_steps(self._from + self.h * np.arange(self._taken, self._taken + some), self.h)
-            self._taken, steps, self._cells = self._taken + some, steps - some, None
-
-    def seed(self, cells: np.ndarray, directions: np.ndarray) -> None:
-        """Tangents of cells, (n, d) with d up to the width; all others are zero."""
-        self._own[:] = self._clear
-        self._own[cells, : directions.shape[1]] = directions
-        self._arena.ties[0] = 0
-
-    def tangents(self, cells: np.ndarray) -> np.ndarray:
-        """The present ones, (n, width)."""
-        return self._own[cells]
+        self.block.take(master, t)
+        self.block.fill()
 
     # -- which cells are the state -----------------------------------------------------------------------------------
-    def _declared_cells(self) -> np.ndarray:
-        """Those of all x, and of the samples of all links."""
-        layout, memory = self.tangent_scene.layout, self.tangent_scene.master.records.memory
-        cells: list[int] = []
-        for unit in layout.units:
-            cells += (unit.first + k for ends in unit.component.block.ranges("x") for k in range(*ends) if unit.component.x.size)  # type: ignore[union-attr]
-        for k in range(memory.links.size):
-            degree = int(memory.pasts["degree"][memory.links["past"][k]])
-            cells += (self.tangent_scene._cell("links", k, name) for name in SAMPLES[: degree + 1])
-        return np.array(cells, dtype=np.intp)
-
     def reached(self) -> np.ndarray:
         """Cells that tangents of the states reach behind whole periods: neither parameters nor tables, counters, addresses."""
-        rng, hit = np.random.default_rng(0), np.zeros(self._n, dtype=bool)
-        before = self._save()
-        self.seed(self._declared, rng.standard_normal((self._declared.size, self.tangent_scene.width)))
+        block, rng = self.block, np.random.default_rng(0)
+        hit, before = np.zeros(block.cells.size, dtype=bool), block.save()
+        block.seed(self.declared, rng.standard_normal((self.declared.size, block.width)))
         for _ in range(3):
-            self.advance(self.steps)
-            hit |= (self._own != self._clear).any(axis=1)
-        self._restore(before)
-        hit[self._declared] = True
+            block.advance(self.steps)
+            hit |= (block.tangents != block.still).any(axis=1)
+        block.restore(before)
+        hit[self.declared] = True
         return np.flatnonzero(hit)
 
-    @property
-    def cells(self) -> np.ndarray:
-        """The state, (n,): cells of the block that the coming period reads before it writes them. Raises `BadInput` for too many."""
-        if self._cells is None:
-            self._find()
-        assert self._cells is not None
-        return self._cells
-
-    def _find(self) -> None:
+    def state(self) -> CoupledState:
+        """The state where the block stands. Raises `BadInput` for one that is too large, or has an infinite derivative."""
         cells = self.reached()
         if cells.size > 4 * MOST:
             self._refuse(cells.size)
-        columns = self._columns(cells, self.steps)
-        ties = self.at_tie
+        columns, ties = self._derivative(cells, np.eye(cells.size), cells, self.steps)
+        if not np.isfinite(columns).all():
+            place = cell_name(self.block, cells[np.flatnonzero(~np.isfinite(columns).all(axis=0))[0]])
+            raise BadInput(self._where, f"an infinite derivative by {place} at t = {self.block.time:g} s", "a smooth state")
         kept = np.flatnonzero(np.abs(columns).max(axis=0) > 0.0)
         while (read := np.abs(columns[np.ix_(kept, kept)]).max(axis=0, initial=0.0) > 0.0).sum() < kept.size:
             kept = kept[read]
         if kept.size > MOST:
             self._refuse(kept.size)
-        self._cells, self._jacobian, self.ties = cells[kept], columns[np.ix_(kept, kept)], ties[kept]
+        return CoupledState(cells[kept], columns[np.ix_(kept, kept)], ties[kept])
 
     def _refuse(self, size: int) -> None:
-        remedy = "CoupledStep.products gives products with the Jacobian, for SciPy."
+        remedy = "CoupledStep.derivative gives products with the Jacobian, for SciPy."
         raise BadInput(self._where, f"a state of {size} numbers", f"{MOST} at most", remedy)
 
     # -- the derivative ----------------------------------------------------------------------------------------------
-    def products(self, directions: np.ndarray, steps: int | None = None, cells: np.ndarray | None = None) -> np.ndarray:
-        """The derivative of some macro steps times directions, (n, d): of the state, or of other cells. It stays where it is."""
-        cells = self.cells if cells is None else cells
-        return self.derivative(cells, directions, cells, steps)
-
     def derivative(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray, steps: int | None = None) -> np.ndarray:
-        """Of cells `of` behind some macro steps when cells `by`, (n,), move along directions, (n, d); (k, d).
+        """Of cells `of` behind some macro steps when cells `by`, (n,), move along directions, (n, d); (k, d). It stays where it is."""
+        return self._derivative(by, directions, of, self.steps if steps is None else steps)[0]
 
-        `at_tie` has then, (d,), along which ones a decision has stood at its boundary.
-        """
-        known, before, results, ties = self._cells, self._save(), [np.zeros((of.size, 0))], [np.zeros(0, dtype=bool)]
-        width = self.tangent_scene.width
-        for k in range(0, directions.shape[1], width):
-            some = directions[:, k : k + width]
-            self.seed(by, some)
-            self.advance(self.steps if steps is None else steps)
-            results.append(self.tangents(of)[:, : some.shape[1]])
-            ties.append(self.tangent_scene.at_tie()[: some.shape[1]])
-            self._restore(before)
-        self._cells, self.at_tie = known, np.concatenate(ties)
-        return np.concatenate(results, axis=1)
+    def _derivative(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """As `derivative`, and along which directions a decision has stood at its boundary, (d,)."""
+        block, before, parts = self.block, self.block.save(), []
+        for some in block.batches(by, directions):
+            block.advance(steps)
+            parts.append((block.tangents[of, some], block.at_tie()[some]))
+        block.restore(before)
+        values, ties = (np.concatenate(of_all, axis=-1) for of_all in zip(*parts, strict=True))
+        return values, ties
 
-    def _columns(self, cells: np.ndarray, steps: int) -> np.ndarray:
-        values = self.derivative(cells, np.eye(cells.size), cells, steps)
-        if not np.isfinite(values).all():
-            place = cells[np.flatnonzero(~np.isfinite(values).all(axis=0))[0]]
-            raise BadInput(self._where, f"an infinite derivative by {self.name(place)} at t = {self.time:g} s", "a smooth state")
-        return values
+    def couples(self, cells: np.ndarray) -> bool:
+        """Whether cells reach from unit to unit: cells of the master are among them, or of several units."""
+        found = set(owners(self.block, cells).tolist())
+        return -1 in found or len(found) > 1
 
-    def jacobian(self, steps: int | None = None) -> np.ndarray:
-        """The derivative of the state behind some macro steps by the state, (n, n); default: the common period."""
-        cells = self.cells
-        return self._jacobian if steps in (None, self.steps) else self._columns(cells, steps)  # type: ignore[arg-type]
-
-    def coupling(self, blocks: Sequence[np.ndarray]) -> list[bool]:
-        """Of blocks of the state whether they reach from unit to unit: cells of the master are in them, or of several units."""
-        owners = self.owners()
-        return [-1 in owners[block] or len(set(owners[block])) > 1 for block in blocks]
-
-    def coupling_blocks(self) -> list[np.ndarray]:
-        """The blocks of the state that reach from unit to unit; a coupling grows where they have an eigenvalue beyond 1."""
-        blocks = blocks_of(self.jacobian())
-        return [block for block, couples in zip(blocks, self.coupling(blocks), strict=True) if couples]
+    def coupling_blocks(self, state: CoupledState) -> list[np.ndarray]:
+        """The blocks of a state that reach from unit to unit; a coupling grows where they have an eigenvalue beyond 1."""
+        return [places for places in blocks_of(state.jacobian) if self.couples(state.cells[places])]
 
     # -- within an instant -------------------------------------------------------------------------------------------
     def now(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of outputs, cells `of` (k,), and of the table of signals within the instant, along directions (n, d)."""
-        tangents, arena = self.tangent_scene, self._arena
-        read = np.array([tangents.layout.output(end) for end in tangents.signals], dtype=np.intp)
-        signals = slice(tangents._first_signal, tangents._first_signal + read.size)
-        before, outputs, table = self._save(), [np.zeros((of.size, 0))], [np.zeros((read.size, 0))]
-        for k in range(0, directions.shape[1], tangents.width):
-            some = directions[:, k : k + tangents.width]
-            self.seed(by, some)
-            tangents.follow(self.time, read)
-            outputs.append(self.tangents(of)[:, : some.shape[1]])
-            table.append(arena.tangents[signals, : some.shape[1]].copy())
-            self._restore(before)
-        return np.concatenate(outputs, axis=1), np.concatenate(table, axis=1)
+        block, before, parts = self.block, self.block.save(), []
+        for some in block.batches(by, directions):
+            block.follow()
+            parts.append((block.tangents[of, some], block.tangents[block.table, some]))
+        block.restore(before)
+        outputs, table = (np.concatenate(of_all, axis=1) for of_all in zip(*parts, strict=True))
+        return outputs, table
 
     def with_samples(self, by: np.ndarray, directions: np.ndarray, signals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cells that move together within the instant, and how far, (k, d): `by`, and samples of units that see them at once.
 
         signals: how the table of signals moves along the directions, (S, d), as of `now`.
         """
-        tangents, records = self.tangent_scene, self.tangent_scene.master.records
-        links, pasts = records.memory.links, records.memory.pasts
+        block, records = self.block, self.block.master.records
+        links = records.memory.links
         cells, moved = list(by), list(directions)
         for k in np.flatnonzero(signals.any(axis=1)):
-            cells.append(tangents._first_signal + k)
+            cells.append(block.table[k])
             moved.append(signals[k])
             for i in range(records.driven):
                 if links["source"][i] == k and not links["pairs"][i]:
-                    names = SAMPLES[: int(pasts["degree"][links["past"][i]]) + 1]
-                    cells += (tangents._cell("links", i, name) for name in names)
-                    moved += [links["factor"][i] * signals[k] for _ in names]
+                    samples = block.samples(i)
+                    cells += samples
+                    moved += [links["factor"][i] * signals[k]] * len(samples)
         return np.array(cells, dtype=np.intp), np.array(moved).reshape(len(cells), directions.shape[1])
-
-    # -- names -------------------------------------------------------------------------------------------------------
-    def owners(self, cells: np.ndarray | None = None) -> np.ndarray:
-        """Of each cell, of the state or given, the place of its unit in the layout, or -1 for the master, (n,)."""
-        layout = self.tangent_scene.layout
-        firsts = [unit.first for unit in layout.units]
-        cells = self.cells if cells is None else cells
-        return np.where(cells >= layout.at, -1, np.searchsorted(firsts, cells, side="right") - 1)
-
-    def name(self, cell: int) -> str:
-        """Of a cell: "unit.x[3]", "unit.input (before)", "unit.output (held)"."""
-        layout, master = self.tangent_scene.layout, self.tangent_scene.master
-        unit = int(self.owners(np.array([cell]))[0])
-        if unit >= 0:
-            return f"{layout.units[unit].name}.{layout.units[unit].component.block.name(cell - layout.units[unit].first)}"  # type: ignore[union-attr]
-        block, memory = master.records.block, master.records.memory
-        for node in master.nodes:
-            first = int(memory.units["first_link"][node.called])
-            for record in {int(memory.units["first_link"][node.index]), first}:
-                width = memory.links.dtype.itemsize // 8
-                place, field = divmod(cell - self.tangent_scene._cell("links", record, "at"), width)
-                if 0 <= place < len(node.links):
-                    assert memory.links.dtype.names is not None
-                    return f"{'.'.join(node.links[place].target)} ({memory.links.dtype.names[field]})"
-        signal = cell - self.tangent_scene._first_signal
-        if 0 <= signal < len(master.positions):
-            return f"{'.'.join(list(master.positions)[signal])} (held)"
-        return f"coupling.{block.name(cell - layout.at)}"
-
-    # -- the block ---------------------------------------------------------------------------------------------------
-    def _save(self) -> tuple[np.ndarray, int]:
-        return self._arena.cells[: self._n].copy(), self._taken
-
-    def _restore(self, saved: tuple[np.ndarray, int]) -> None:
-        self._arena.cells[: self._n], self._taken = saved
 
 
 def blocks_of(matrix: np.ndarray) -> list[np.ndarray]:

@@ -1,6 +1,6 @@
 """How figures of a run move with its parameters: derivatives and elasticities, each with its error, or the reason why there is none.
 
-Signals have exact derivatives (`tangent_run`). A figure is a function of the signals: its derivative is that of the function along their
+Signals have exact derivatives (`tangent_block`). A figure is a function of the signals: its derivative is that of the function along their
 tangents, by central differences in the space of signals, at two lengths that agree to many digits since nothing but the function is
 repeated. Where decisions stand at their very boundary, the runs on either side tell whether a derivative holds, for one side, or not;
 where it holds for none, those close to the boundary are tried, each on its side.
@@ -28,7 +28,8 @@ from ..scene.names import numerical_of, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
 from .along import AGREE, along, length
-from .tangent_run import TangentRows, TangentScene
+from .tangent_block import TangentBlock
+from .tangent_run import TangentRows, beside, tangent_run
 
 STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {**KINDS, "last": lambda values: values[-1]}
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
@@ -117,16 +118,16 @@ def gradient(
     if differences:
         return _by_differences(scene, figures, [by] if isinstance(by, str) else by, differences)
     with ExitStack() as stack:
-        tangents = TangentScene(scene, stack)
-        names = [by] if isinstance(by, str) else tangents.parameters() if by is None else list(by)
+        block = TangentBlock(scene, stack)
+        names = [by] if isinstance(by, str) else block.parameters() if by is None else list(by)
         refused = numerical_of(scene, names)
         names = [n for n in names if n not in refused]
-        at = {n: tangents.value(n) for n in names}
-        slopes = slopes_of(_run(scene), tangents, figures, names, at)
+        at = {n: block.value(n) for n in names}
+        slopes = slopes_of(_run(scene), block, figures, names, at)
     if halved and names:
         finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
         with ExitStack() as stack:
-            again = slopes_of(_run(finer), TangentScene(finer, stack), figures, names, at)
+            again = slopes_of(_run(finer), TangentBlock(finer, stack), figures, names, at)
         slopes = {key: replace(s, error=SURE * abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
     return Gradient(scene, _sorted(slopes.values()), refused)
 
@@ -171,22 +172,22 @@ def _run(scene: Scene) -> Result:
 
 
 def slopes_of(
-    base: Result, tangents: TangentScene, figures: Measure, names: Sequence[str], at: Mapping[str, float]
+    base: Result, block: TangentBlock, figures: Measure, names: Sequence[str], at: Mapping[str, float]
 ) -> dict[tuple[str, str], Slope]:
     """Derivatives of figures of a run, (figure, parameter) -> `Slope`; at: values of the parameters.
 
     Raises `StepFailed`, and `BadInput` for figures that are not of signals alone.
     """
     base = _of_signals(base, figures)
-    scene, rows = base.scene, tangents.run(names)
-    recorded = _recorded(base, tangents, rows)
+    scene, rows = base.scene, tangent_run(block, names)
+    recorded = _recorded(base, block, rows)
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
         ways = [_along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])]
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
         if sides is not None and not all(_fits(d, side, at[name], v).any() for d, side, v in _each(ways[0][0], sides, values)):
-            ways += _close(base, tangents, figures, values, name, at[name])
+            ways += _close(base, block, figures, values, name, at[name])
         for i, (figure, value) in enumerate(values.items()):
             derivative, error, smooth = (of_all[i] for of_all in ways[0])
             how = EXACT if smooth else "the figure itself jumps or bends there"
@@ -215,12 +216,12 @@ def _of_signals(base: Result, figures: Measure) -> Result:
     return bare
 
 
-def _recorded(base: Result, tangents: TangentScene, rows: TangentRows) -> dict[str, np.ndarray]:
+def _recorded(base: Result, block: TangentBlock, rows: TangentRows) -> dict[str, np.ndarray]:
     """Tangents of the recorded columns at the recorded times, (n, d); raises `BadInput` where the runs are not one."""
-    at = np.clip(np.searchsorted(rows.time, base.time - 1e-9 * tangents.scene.master.step), 0, rows.time.size - 1)
-    places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(tangents.signals)}
+    at = np.clip(np.searchsorted(rows.time, base.time - 1e-9 * base.scene.master.step), 0, rows.time.size - 1)
+    places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(block.signals)}
     where = f"gradient of {base.scene.name}"
-    if not np.allclose(rows.time[at], base.time, rtol=0.0, atol=1e-6 * tangents.scene.master.step):
+    if not np.allclose(rows.time[at], base.time, rtol=0.0, atol=1e-6 * base.scene.master.step):
         raise BadInput(where, "rows between macro steps", "record.interval as a multiple of master.step")
     for name, column in base.columns.items():
         size = np.max(np.abs(column), initial=0.0)
@@ -264,17 +265,17 @@ def _each(derivatives: np.ndarray, sides: np.ndarray, values: Figures) -> Iterat
 
 
 def _close(
-    base: Result, tangents: TangentScene, figures: Measure, values: Figures, name: str, at: float
+    base: Result, block: TangentBlock, figures: Measure, values: Figures, name: str, at: float
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """As `_along`, of the derivatives close below and above a boundary; NaN where a side cannot run, or is another run at once."""
     none = np.full(len(values), nan)
-    beside = [(none, none, none)] * 2
+    sides = [(none, none, none)] * 2
     for side, way in enumerate((-CLOSE, CLOSE)):
         with suppress(BadInput, StepFailed):
-            rows = tangents.beside(name, way * (abs(at) or 1.0))
-            recorded = _recorded(base, tangents, rows)
-            beside[side] = _along(base, {s: t[:, 0] for s, t in recorded.items()}, figures, values, name, at)
-    return beside
+            rows = beside(block, name, way * (abs(at) or 1.0))
+            recorded = _recorded(base, block, rows)
+            sides[side] = _along(base, {s: t[:, 0] for s, t in recorded.items()}, figures, values, name, at)
+    return sides
 
 
 def _fits(derivative: float, sides: np.ndarray, at: float, value: float) -> np.ndarray:

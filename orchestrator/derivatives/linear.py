@@ -16,8 +16,9 @@ from scipy.sparse.csgraph import connected_components
 from ...components.core.errors import BadInput, nearest
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
-from .coupled_step import CoupledStep, blocks_of, check_steps
-from .tangent_run import TangentScene
+from .cells import cell_name, owners
+from .coupled_step import CoupledState, CoupledStep, blocks_of, check_steps
+from .tangent_block import TangentBlock
 
 VANISHING = 1e-4  # eigenvalues below: what is left of samples, whose Jordan blocks rounding spreads
 AGREE = 1e-9  # relative: an output is a function of the state
@@ -186,29 +187,29 @@ def linearize(
     if steps is not None:
         check_steps(scene, steps)
     with ExitStack() as stack:
-        step = CoupledStep(TangentScene(scene, stack, remedy=""), steps=steps)
+        step = CoupledStep(TangentBlock(scene, stack, remedy=""), steps=steps)
         step.take(master, t)
-        return _Linearization(step, inputs, outputs).result()
+        return Linearization(step, inputs, outputs).result()
 
 
-class _Linearization:
+class Linearization:
     """What `linearize` finds at the place of a coupled step."""
 
     def __init__(self, step: CoupledStep, inputs: Sequence[str], outputs: Sequence[str]):
-        self.step, self.tangents, self.scene = step, step.tangent_scene, step.tangent_scene.scene
+        self.step, self.block, self.scene = step, step.block, step.block.scene
         self.where = f"linearization of {self.scene.name}"
-        layout = self.tangents.layout
+        layout = self.block.layout
         of = self.scene.coupling.signals
         ends = {f"{u.name}.{n}": (u.name, n) for u in layout.units for n in u.component.outputs}
         self.outputs = (
             [".".join(end) for end in of if end in ends.values()] if not outputs else [self._known(n, ends) for n in outputs]
         )
-        free = {f"{u.name}.{n}" for u in layout.units for n in u.component.inputs} & set(self.tangents.parameters())
+        free = {f"{u.name}.{n}" for u in layout.units for n in u.component.inputs} & set(self.block.parameters())
         self.inputs = [self._known(n, free) for n in inputs]
         for names in (self.inputs, self.outputs):
             if twice := sorted({n for n in names if names.count(n) > 1}):
                 raise BadInput(self.where, f"{', '.join(twice)} more than once", "each name once")
-        self.u = np.array([self.tangents._place_of(n) for n in self.inputs], dtype=np.intp)
+        self.u = self.block.places(self.inputs)
         self.y = np.array([layout.output(ends[n]) for n in self.outputs], dtype=np.intp)
         self.every_y = np.array([layout.output(end) for end in ends.values()], dtype=np.intp)
 
@@ -219,25 +220,26 @@ class _Linearization:
 
     def result(self) -> Linear:
         """All of it."""
-        step, cells, matrix = self.step, self.step.cells, self.step.jacobian()
+        block, state = self.block, self.step.state()
+        cells, matrix, _ = state
         kept = np.setdiff1d(np.arange(cells.size), self._silent(cells, matrix))
-        remarks = self._remarks(cells, matrix, kept)
+        remarks = self._remarks(state, kept)
         A, B, C, D, late = self._matrices(cells[kept], matrix[np.ix_(kept, kept)])
         cells = np.concatenate([cells[kept], self.y[late]])
-        units = [unit.name for unit in self.tangents.layout.units]
+        units = [unit.name for unit in block.layout.units]
         return Linear(
             A,
             B,
             C,
             D,
-            step.steps * step.h,
-            step.time,
-            tuple(step.name(cell) for cell in cells),
-            tuple(units[k] if k >= 0 else COUPLING for k in step.owners(cells)),
+            self.step.period,
+            block.time,
+            tuple(cell_name(block, int(cell)) for cell in cells),
+            tuple(units[k] if k >= 0 else COUPLING for k in owners(block, cells)),
             tuple(self.inputs),
             tuple(self.outputs),
-            step._arena.cells[self.u].copy(),
-            step._arena.cells[self.y].copy(),
+            block.cells[self.u],
+            block.cells[self.y],
             self._midpoint(),
             tuple(remarks),
         )
@@ -270,13 +272,14 @@ class _Linearization:
         C[late] = np.eye(n + late.size)[n:]
         return A, B, C, D, late
 
-    def _remarks(self, cells: np.ndarray, matrix: np.ndarray, kept: np.ndarray) -> list[str]:
+    def _remarks(self, state: CoupledState, kept: np.ndarray) -> list[str]:
+        cells, matrix, at_tie = state
         verdicts: dict[str, list[str]] = {}
-        for k in kept[self.step.ties[kept]]:
+        for k in kept[at_tie[kept]]:
             sides = [side for way, side in ((-1.0, "below"), (1.0, "above")) if self._holds(cells, k, matrix[:, k], way)]
             if len(sides) < 2:
                 verdict = f"hold {sides[0]} them alone" if sides else "do not exist"
-                verdicts.setdefault(verdict, []).append(self.step.name(cells[k]))
+                verdicts.setdefault(verdict, []).append(cell_name(self.block, int(cells[k])))
         remarks = [
             f"Decisions change at {', '.join(names)}: derivatives by them {verdict}." for verdict, names in verdicts.items()
         ]
@@ -287,11 +290,10 @@ class _Linearization:
                 graph[units.index(link.source[0]), units.index(link.target[0])] = 1.0
         number, labels = connected_components(graph, directed=True, connection="strong")
         rings = [[u for u, label in zip(units, labels, strict=True) if label == k] for k in range(number)]
-        blocks = blocks_of(matrix)
-        acting = any(coupled and block.size > 1 for block, coupled in zip(blocks, self.step.coupling(blocks), strict=True))
+        acting = any(places.size > 1 for places in self.step.coupling_blocks(state))
         if any(len(ring) > 1 for ring in rings) and not acting:
             names = " and ".join(", ".join(ring) for ring in rings if len(ring) > 1)
-            gone = f"{names} feed one another, but no small change comes back at t = {self.step.time:g} s"
+            gone = f"{names} feed one another, but no small change comes back at t = {self.block.time:g} s"
             if remarks:
                 raise BadInput(self.where, f"{gone}: a joint sticks", "an instant of motion", " ".join(remarks))
             remarks.append(f"{gone}: a contact that is open, or a joint that sticks.")
@@ -299,13 +301,13 @@ class _Linearization:
 
     def _holds(self, cells: np.ndarray, k: int, column: np.ndarray, way: float) -> bool:
         """Whether a column of the Jacobian is that of differences to one side."""
-        step, numbers, behind = self.step, self.step._arena.cells, []
-        before, length = step._save(), way * BESIDE * max(1.0, abs(float(numbers[cells[k]])))
+        block, numbers, behind = self.block, self.block.cells, []
+        before, length = block.save(), way * BESIDE * max(1.0, abs(float(numbers[cells[k]])))
         for by in (0.0, 0.5 * length, length):
             numbers[cells[k]] += by
-            step.advance(step.steps)
-            behind.append(numbers[cells].copy())
-            step._restore(before)
+            block.advance(self.step.steps)
+            behind.append(numbers[cells])
+            block.restore(before)
         slope = (4.0 * behind[1] - behind[2] - 3.0 * behind[0]) / length
         size = np.maximum(np.abs(slope), np.abs(column))
         return bool((np.abs(slope - column) <= 1e-3 * size + 1e-6 * size.max() + 1e-13 * np.abs(behind[0]) / abs(length)).all())
@@ -313,8 +315,8 @@ class _Linearization:
     def _midpoint(self) -> dict[str, float]:
         """Unit -> internal step, s, of those that integrate by the midpoint rule."""
         internal = {}
-        for unit in self.tangents.layout.units:
+        for unit in self.block.layout.units:
             if unit.component.by_midpoint_rule:
-                length = unit.node.every * self.step.h
+                length = unit.node.every * self.block.h
                 internal[unit.name] = length / ceil(length / float(unit.component.parameters["substep"]) * (1.0 - 1e-12))  # type: ignore[arg-type]
         return internal

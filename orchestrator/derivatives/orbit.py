@@ -19,7 +19,6 @@ from ..scene.scene import Scene
 from .coupled_step import sampling_periods
 from .newton import newton
 from .state_map import Image, StateMap
-from .tangent_run import CHUNK
 
 TURN = 2.0 * pi
 ACTS = 1e-12  # derivatives below are none
@@ -85,7 +84,7 @@ class Shooting:
         self._units = {".".join(end): scene.coupling.interfaces[end[0]].outputs[end[1]].unit for end in ends}
         self.map = StateMap(scene, stack, self.where, (parameter,) if parameter else (), self._outputs)
         self.signals = [".".join(end) for end in scene.coupling.signals]
-        order = [".".join(end) for end in self.map.tangents.signals]
+        order = [".".join(end) for end in self.map.block.signals]
         self._shown = [order.index(name) for name in self.signals]
         self._every, self._steps = lcm(*(unit.every for unit in scene.units.values())), steps
         self._rate = self._rate_of(forcing.frequency) if forcing.frequency else None
@@ -158,7 +157,7 @@ class Shooting:
         """Of the forcing, times the multiple, s; of given periods."""
         if self.forcing.period:
             return self.forcing.period * self.multiple
-        value = p[0] if self.parameter == self.forcing.frequency else self.map.tangents.value(self.forcing.frequency)
+        value = p[0] if self.parameter == self.forcing.frequency else self.map.block.value(self.forcing.frequency)
         assert self._rate is not None
         if not value > 0.0:
             raise StepFailed(self.scene.name, 0.0, f"a frequency of {value:g}", "")
@@ -271,7 +270,7 @@ class Shooting:
         if self.unknown_period:
             ahead = self.map.run(self.base)
             if self.turning is not None:
-                guess = TURN * self.multiple / self.forcing.turns * self.map.step.h / abs((ahead - self.base)[self.turning])
+                guess = TURN * self.multiple / self.forcing.turns * self.map.block.h / abs((ahead - self.base)[self.turning])
             elif not guess:
                 guess = self._crossing_period(periods)
         period = guess if self.unknown_period else self.period(p)
@@ -297,11 +296,11 @@ class Shooting:
 
     def _crossing_period(self, periods: int) -> float:
         """Of a free oscillation, s: mean distance of the times at which its most moving state passes its mean, at the end of a run."""
-        h, count = self.map.step.h, round((self.scene.stop_time - self.scene.start_time) / self.scene.master.step)
+        h, count = self.map.block.h, round((self.scene.stop_time - self.scene.start_time) / self.scene.master.step)
         self.map.stand()
         states = np.empty((count, self.map.cells.size))
         for k in range(count):
-            self.map.step.advance(1)
+            self.map.block.advance(1)
             states[k] = self.map.z
         late = states[count // 2 :, self.kept]
         late = late - late.mean(axis=0)
@@ -344,10 +343,5 @@ class Shooting:
         return self._rows_on()
 
     def _rows_on(self) -> np.ndarray:
-        tangents, step, parts = self.map.tangents, self.map.step, []
-        for done in range(0, self.steps, CHUNK):
-            some = min(CHUNK, self.steps - done)
-            times = step._from + step.h * np.arange(step._taken, step._taken + some)
-            parts.append(step._arena.cells[tangents.take_steps(times, step.h)].reshape(some, -1)[:, self._shown].copy())
-            step._taken += some
+        parts = [values[:, self._shown] for values, _ in self.map.block.rows(self.steps)]
         return np.roll(np.concatenate(parts), 1, axis=0)

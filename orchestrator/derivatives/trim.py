@@ -22,7 +22,7 @@ from ..engine.algorithms import Master
 from ..output import write_table
 from ..scene.names import declared
 from ..scene.scene import Scene
-from .linear import Linear, _Linearization
+from .linear import Linear, Linearization
 from .newton import ROUNDING, Solution, newton
 from .state_map import StateMap
 
@@ -166,7 +166,7 @@ class _Search:
         self.wanted = np.array([self._number(*scene.split(name), value) for name, value in want.items()])
         self.map = StateMap(scene, stack, self.where, free, known)
         self.rows = [known.index(name) for name in want]
-        self._linear = _Linearization(self.map.step, inputs, outputs)
+        self._linear = Linearization(self.map.step, inputs, outputs)
 
     def _number(self, unit: str, name: str, value: float | str) -> float:
         signal = self.scene.coupling.interfaces[unit].outputs[name]
@@ -234,7 +234,7 @@ class _Search:
             return
         names = self.map.names() + list(self.free)
         worst = int(np.argmax(np.nan_to_num(left, posinf=1e300)))
-        n, period = self.map.cells.size, self.map.step.steps * self.map.step.h
+        n, period = self.map.cells.size, self.map.step.period
         if worst >= n:
             name = self.every[self.rows[worst - n]]
             what = f"{name} = {solution.residual[worst] + self.wanted[worst - n]:.6g} instead of {self.wanted[worst - n]:.6g}"
@@ -263,7 +263,7 @@ class _Search:
 
     def _state(self, solution: Solution, z: np.ndarray, p: np.ndarray) -> SteadyState:
         step, n = self.map.step, self.map.cells.size
-        names, period = self.map.names(), step.steps * step.h
+        names, period = self.map.names(), step.period
         self._equations(np.concatenate([z, p]))
         seen = (np.abs(self._by_outputs) > ACTS).any(axis=0)
         far = np.abs(self._moves) > np.maximum(
@@ -278,7 +278,6 @@ class _Search:
         self.map.run(z)
         remarks: list[str] = []
         try:
-            step._cells = None
             linear = self._linear.result()
             remarks += linear.remarks
             growth = max(1.0, float(np.abs(np.linalg.eigvals(linear.A)).max(initial=0.0))) ** SEEN_ON
@@ -291,7 +290,7 @@ class _Search:
             raise BadInput(
                 self.where, f"{worst} moves later", "a state that keeps", "The scene depends on time: see cosimo orbit."
             )
-        outputs = dict(zip(self.every, step._arena.cells[self.map.y].tolist(), strict=True))
+        outputs = dict(zip(self.every, self.map.block.cells[self.map.y].tolist(), strict=True))
         return SteadyState(
             self.scene,
             dict(zip(names, z.tolist(), strict=True)),

@@ -29,7 +29,7 @@ class Extended:
         moved, numbers = model.kicks(True, 0.0)
         self.T = np.hstack([model.prior(model.cells) * slopes * deviations, moved])
         self.Tq = np.hstack([np.diag(deviations), numbers])
-        self.forgets = np.array([model.step.h / u.memory for u in model.unknowns])
+        self.forgets = np.array([model.block.h / u.memory for u in model.unknowns])
         cells = model.derived[:0] if cells is None else cells
         self._held = np.union1d(model.derived, cells)
         self._derived, self._suspected = np.searchsorted(self._held, model.derived), np.searchsorted(self._held, cells)
@@ -41,11 +41,11 @@ class Extended:
     @property
     def live(self) -> np.ndarray:
         """The mean of the live cells, (l,)."""
-        return self.model.block[self.model.live]
+        return self.model.block.cells[self.model.live]
 
     def put(self, cells: np.ndarray, numbers: np.ndarray) -> None:
         """Inputs that are known from here on, (n,)."""
-        self.model.numbers[cells] = self.model.block[cells] = numbers
+        self.model.block.initial[cells] = self.model.block.cells[cells] = numbers
 
     def predict(self, dt: float) -> None:
         """Over a macro step, dt, s: columns of disturbances come behind those that there are."""
@@ -70,7 +70,7 @@ class Extended:
     def take(self, w: np.ndarray, W: np.ndarray) -> None:
         """What an update says: the mean moves by the columns times w, (c,), they become columns times W, (c, d)."""
         if w.any():
-            self.model.block[self.model.live] += self.T @ w
+            self.model.block.cells[self.model.live] += self.T @ w
             self.q = self.q + self.Tq @ w
             self.model.follow(self.q)
         self.T, self.Tq = self.T @ W, self.Tq @ W
@@ -85,23 +85,22 @@ class Unscented(Extended):
     exact = False
 
     def carry(self) -> None:
-        model, step = self.model, self.model.step
-        count = self.T.shape[1]
-        before, taken = model.block.copy(), step._taken
-        step.seed(model.live[:0], np.zeros((0, 1)))
+        model, block = self.model, self.model.block
+        count, before = self.T.shape[1], block.save()
+        block.seed()
         ends = np.empty((2, count, model.live.size))
         for side, way in enumerate((np.sqrt(count), -np.sqrt(count))):
             for k in range(count):
-                model.block[:], step._taken = before, taken
-                model.block[model.live] += way * self.T[:, k]
+                block.restore(before)
+                model.block.cells[model.live] += way * self.T[:, k]
                 model.follow(self.q + way * self.Tq[:, k])
-                step.advance(1)
-                ends[side, k] = model.block[model.live]
-        model.block[:], step._taken = before, taken
+                block.advance(1)
+                ends[side, k] = model.block.cells[model.live]
+        block.restore(before)
         model.follow(self.q)
-        step.advance(1)
+        block.advance(1)
         mean = ends.mean(axis=(0, 1)) if count else self.live
-        model.block[model.live] = mean
+        model.block.cells[model.live] = mean
         odd, even = (ends[0] - ends[1]).T / 2.0, (ends[0] + ends[1] - 2.0 * mean).T / 2.0
         self.T = np.hstack([odd, even]) / np.sqrt(max(count, 1))
         self.Tq = np.hstack([self.Tq, np.zeros((self.Tq.shape[0], count))])
@@ -120,7 +119,7 @@ class Ensemble:
         self._q = first.q + a @ first.Tq.T
         self._live = first.live + a @ first.T.T
         self._keeps = np.exp(-first.forgets)
-        self._blocks = np.repeat(model.block[None], members, axis=0)
+        self._cells = np.repeat(model.block.cells[None], members, axis=0)
         self.sensitivities = np.zeros((model.live.size, 0))
 
     @property
@@ -140,22 +139,22 @@ class Ensemble:
         return (self._q - self.q).T / np.sqrt(len(self._q) - 1.0)
 
     def put(self, cells: np.ndarray, numbers: np.ndarray) -> None:
-        self.model.numbers[cells] = self._blocks[:, cells] = numbers
+        self.model.block.initial[cells] = self._cells[:, cells] = numbers
 
     def predict(self, dt: float) -> None:
-        model, step = self.model, self.model.step
-        start, taken = np.array([u.mean for u in model.unknowns]), step._taken
+        model, now = self.model, self.model.block.save()
+        start = np.array([u.mean for u in model.unknowns])
         moved, numbers = model.kicks(False, dt)
-        step.seed(model.live[:0], np.zeros((0, 1)))
-        for k, block in enumerate(self._blocks):
-            model.block[:], step._taken = block, taken
-            model.block[model.live] = self._live[k]
+        model.block.seed()
+        for k, cells in enumerate(self._cells):
+            model.block.restore(now._replace(cells=cells))
+            model.block.cells[model.live] = self._live[k]
             kick = self._rng.standard_normal(moved.shape[1])
-            model.block[model.live] += moved @ kick
+            model.block.cells[model.live] += moved @ kick
             model.follow(self._q[k] + numbers @ kick)
-            step.advance(1)
+            model.block.advance(1)
             self._q[k] = start + self._keeps * (self._q[k] + numbers @ kick - start)
-            self._live[k], block[:] = model.block[model.live], model.block
+            self._live[k], cells[:] = model.block.cells[model.live], model.block.cells
 
     def take(self, w: np.ndarray, W: np.ndarray) -> None:
         scale = np.sqrt(len(self._live) - 1.0)

@@ -100,7 +100,7 @@ class _Record:
         some, sensors = filtered.suspected, self.measured
         suspects = judged(model, some, sensors.signals, sensors.units, innovations) if doubts and some else []
         interfaces = model.scene.coupling.interfaces
-        units = {".".join(end): interfaces[end[0]].outputs[end[1]].unit for end in model.tangents.signals}
+        units = {".".join(end): interfaces[end[0]].outputs[end[1]].unit for end in model.block.signals}
         kept, names = list(filtered.columns), tuple(filtered.columns.values())
         seen = history(done.track, self.plan.smooth)
         seen = replace(seen, values=seen.values[:, kept], deviations=seen.deviations[:, kept])

@@ -87,7 +87,7 @@ def figure_bands(filtered: FilteredScene, track: Track, where: str) -> tuple[Fig
 
 def _path(filtered: FilteredScene, base: Result, ends: Sequence[str], values: np.ndarray, numbers: dict[str, float]) -> Result:
     """A run that goes along a path, (k, n), with some numbers of parameters."""
-    own = {u.name: u.component.parameters for u in filtered.model.tangents.layout.units}
+    own = {u.name: u.component.parameters for u in filtered.model.block.layout.units}
     parts = {unit: {n: numbers.get(f"{unit}.{n}", v) for n, v in some.items()} for unit, some in own.items()}
     info = RunRecord(outcome="done", units={unit: UnitRecord(parameters=some) for unit, some in parts.items()})
     scene = displaced(base.scene, numbers)

@@ -44,7 +44,7 @@ class FilteredScene:
         self.plan, self.where = plan, where
         self.model = model = Model(scene, plan, stack, steps, where)
         self.name = plan.filter or (ENSEMBLE if model.large else EXTENDED)
-        self.measured = measured.within(model.step.time, np.inf)
+        self.measured = measured.within(model.block.time, np.inf)
         self.noise = measured.noise
         self.suspected: Suspected | None = None
 

@@ -80,14 +80,14 @@ class Filter:
         self._most, self._waiting = most, [np.zeros(0), np.zeros(0, dtype=np.intp), np.zeros(0)]
         self._y = np.array([model.y_rows[model.signals.index(n)] for n in seen], dtype=np.intp)
         self._kept = np.unique(np.concatenate([model.state_rows, self._y]))
-        self.dt = model.step.h
+        self.dt = model.block.h
         self.track, self.innovations = Track(), Innovations()
         self._older = belief.live[self._y]
         self._note()
 
     def step(self, time: np.ndarray, which: np.ndarray, values: np.ndarray) -> None:
         """A macro step on, with the measurements, (m,), of the time behind the instant and up to the next one."""
-        belief, y, start = self.belief, self._y, self.model.step.time
+        belief, y, start = self.belief, self._y, self.model.block.time
         before, first, first_sensitivity = belief.live[y], belief.T[y], belief.sensitivities[y]
         count = belief.T.shape[1]
         try:
@@ -141,7 +141,7 @@ class Filter:
         if self._most is not None:
             self.track = track = Track()
             self.innovations.forget(self._most)
-        track.time.append(self.model.step.time)
+        track.time.append(self.model.block.time)
         track.values.append(belief.live[self.rows])
         track.columns.append(belief.T[self.rows] if self._smooth else np.sqrt((belief.T[self.rows] ** 2).sum(axis=1))[:, None])
         track.q.append(belief.q.copy())
@@ -155,7 +155,7 @@ class Filter:
         given = (time, which, values) if not self._waiting[0].size else map(np.append, self._waiting, (time, which, values))
         time, which, values = given
         tolerance = SAME * self.dt
-        while (end := self.model.step.time + self.dt) <= horizon + tolerance:
+        while (end := self.model.block.time + self.dt) <= horizon + tolerance:
             now = time <= end + tolerance
             order = np.argsort(time[now], kind="stable")
             self.step(time[now][order], which[now][order], values[now][order])
@@ -169,7 +169,7 @@ class Filter:
         for first, last in pairwise([0, *ends]):
             self.assimilate(time[last - 1], time[first:last], measured.which[first:last], measured.values[first:last])
         if self._waiting[0].size:
-            self.assimilate(self.model.step.time + self.dt, time[:0], measured.which[:0], measured.values[:0])
+            self.assimilate(self.model.block.time + self.dt, time[:0], measured.which[:0], measured.values[:0])
 
 
 @dataclass(frozen=True)

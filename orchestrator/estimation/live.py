@@ -91,15 +91,15 @@ class Live:
         self._filtered = FilteredScene(scene, doubts, sensors, stack, where, steps)
         self._sensors, self.model = self._filtered.measured, self._filtered.model
         cells, numbers = self._known(inputs)
-        self.model.numbers[cells] = numbers
+        self.model.block.initial[cells] = numbers
         self._filter = self._filtered.filter(bool(doubts.suspected), smooth=False, most=WINDOW)
         self._measured = wanted.measured
-        self._last = self.model.step.time + max(m.lag for m in wanted.measured)
+        self._last = self.model.block.time + max(m.lag for m in wanted.measured)
 
     @property
     def time(self) -> float:
         """Where the estimate stands, s."""
-        return self.model.step.time
+        return self.model.block.time
 
     def assimilate(self, t: float, values: Mapping[str, Any], inputs: Mapping[str, float]) -> Present:
         """On to the time t, s, less the longest delay, with what sensors show at t; inputs: what acts from now on, by name.
@@ -133,7 +133,7 @@ class Live:
         """Cells and numbers, (n,), of inputs that are not estimated."""
         taken = {u.name for u in self.model.unknowns}
         known = {n: v for n, v in inputs.items() if n not in taken}
-        return self.model.tangents.places(known), np.array(list(known.values()), dtype=float)
+        return self.model.block.places(known), np.array(list(known.values()), dtype=float)
 
     def present(self) -> Present:
         """What is known where the estimate stands."""
@@ -162,4 +162,4 @@ class Live:
 
     def give(self, master: Master) -> None:
         """Let another opening of the scene stand at the mean of the estimate."""
-        self.model.tangents.give(master)
+        self.model.block.give(master)

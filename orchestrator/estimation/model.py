@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
+from ..derivatives.cells import cell_name, owners
 from ..derivatives.coupled_step import MOST, CoupledStep
-from ..derivatives.tangent_run import TangentScene
+from ..derivatives.tangent_block import TangentBlock
 from ..scene.measured import amount, positive
 from ..scene.names import declared, numerical_of, variable_of
 from ..scene.scene import Scene
@@ -57,24 +58,22 @@ class Disturbed:
 class Model:
     """An open scene, with what is estimated of it.
 
-    live: (l,) cells that directions reach, without those that follow from unknowns.  state: (n,) cells of the state among all.
-    derived: cells that follow from unknowns, their own among them.
+    block: where it stands.  live: (l,) cells that directions reach, without those that follow from unknowns.  state: (n,) cells of the
+    state among all.  derived: cells that follow from unknowns, their own among them.  stays: (n,) of bool, cells of units that keep what
+    an initialization has written.
     """
 
     def __init__(self, scene: Scene, plan: EstimateSettings, stack: ExitStack, steps: int, where: str):
         """steps: macro steps that are going to be made. Raises `BadInput` for names, units, and scenes without tangents."""
         self.scene, self._where = scene, where
-        self.tangents = TangentScene(scene, stack, remedy="")
-        self.step = CoupledStep(self.tangents)
+        self.block = TangentBlock(scene, stack, remedy="")
+        self.step = CoupledStep(self.block)
         self.unknowns = [self._unknown(name, plan, where) for name in plan.estimated]
-        self.cells = np.array([self.tangents._place_of(u.name) for u in self.unknowns], dtype=np.intp)
-        self.numbers = self.tangents._image.view(np.float64)
-        self._arena = self.tangents._arena
-        self.signals = [".".join(end) for end in self.tangents.signals]
-        self.y = self.tangents._first_signal + np.arange(len(self.signals))
+        self.cells = self.block.places(u.name for u in self.unknowns)
+        self.signals = [".".join(end) for end in self.block.signals]
+        self.y = self.block.table
         self.begin()
-        self.first = self.step._taken
-        self.large = plan.filter == "ensemble" or (not plan.filter and self.step._declared.size > MOST)
+        self.large = plan.filter == "ensemble" or (not plan.filter and self.step.declared.size > MOST)
         self._survey(steps)
         self.disturbed = [self._disturbed(name, one, f"{where}: states.{name}") for name, one in plan.states.items()]
         self.begin()
@@ -82,13 +81,13 @@ class Model:
     # -- what is estimated -------------------------------------------------------------------------------------------
     def _unknown(self, name: str, plan: EstimateSettings, where: str) -> Unknown:
         given, place = plan.estimated[name], f"{where}: estimated.{name}"
-        known = self.tangents.parameters()
+        known = self.block.parameters()
         if name not in known:
             raise BadInput(place, repr(name), "a real parameter, or an input that nothing drives", nearest(name, known))
         if reason := numerical_of(self.scene, [name]):
             raise BadInput(place, f"{name}: {reason[name]}", "a parameter of the model")
         one = self.variable(name)
-        start = self.tangents.value(name)
+        start = self.block.value(name)
         start = start if given.start is None else amount(given.start, one.unit, f"{place}.start", start)
         low = one.low if given.low is None else amount(given.low, one.unit, f"{place}.low", start)
         high = one.high if given.high is None else amount(given.high, one.unit, f"{place}.high", start)
@@ -108,7 +107,7 @@ class Model:
         return variables.get(variable) or variables[variable.partition("[")[0]]
 
     def _disturbed(self, name: str, given: StateSettings, place: str) -> Disturbed:
-        names = {self.step.name(cell): cell for cell in self.state.tolist()}
+        names = {cell_name(self.block, cell): cell for cell in self.state.tolist()}
         unit, size = "", 1.0
         if name in names:
             cell = names[name]
@@ -130,9 +129,9 @@ class Model:
 
     def _outputs_of_one_state(self) -> dict[str, tuple[int, float]]:
         """Of outputs that are a multiple of one state of a unit: its cell, and the factor."""
-        layout = self.tangents.layout
+        layout = self.block.layout
         ends = {f"{u.name}.{n}": layout.output((u.name, n)) for u in layout.units for n in u.component.outputs}
-        of_units = self.state[self.step.owners(self.state) >= 0]
+        of_units = self.state[owners(self.block, self.state) >= 0]
         rows, _ = self.step.now(of_units, np.eye(of_units.size), np.array(list(ends.values()), dtype=np.intp))
         alone = {}
         for name, row in zip(ends, rows, strict=True):
@@ -146,36 +145,37 @@ class Model:
 
     def state_names(self) -> dict[int, str]:
         """Cell -> name, of the states of units; the name of an output that is this state, where there is one."""
-        owned = self.state[self.step.owners(self.state) >= 0]
-        names = {int(cell): self.step.name(cell) for cell in owned}
+        owned = self.state[owners(self.block, self.state) >= 0]
+        own = {int(cell): cell_name(self.block, int(cell)) for cell in owned}
+        names = dict(own)
         for output, (cell, slope) in self._outputs_of_one_state().items():
-            if abs(slope - 1.0) <= CONDITION and names[cell] == self.step.name(cell):
+            if abs(slope - 1.0) <= CONDITION and names[cell] == own[cell]:
                 names[cell] = output
         return names
 
     # -- which cells -------------------------------------------------------------------------------------------------
     def _survey(self, steps: int) -> None:
         """Look along the run for the state, for what tangents reach, and for what stays as initialization has left it."""
-        step, n = self.step, self.step._n
+        block, step, n = self.block, self.step, self.block.cells.size
         reached, state, stays = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
-        begun = self._arena.cells[:n].copy()
+        begun = block.cells.copy()
         for _ in range(SURVEYED):
             reached[step.reached()] = True
             if not self.large:
-                state[step.cells] = True
-            step.advance(
+                state[step.state().cells] = True
+            block.advance(
                 max(steps // SURVEYED, 1) | 1
             )  # an odd number, so that units with rates of their own are met in several phases
-            stays &= (self._arena.cells[:n] == begun) | (np.isnan(begun) & np.isnan(self._arena.cells[:n]))
-        reached[(step._clear != 0.0).any(axis=1)] = False
-        state[step._declared if self.large else []] = True
+            stays &= (block.cells == begun) | (np.isnan(begun) & np.isnan(block.cells))
+        addresses = (block.still != 0.0).any(axis=1)
+        reached[addresses] = False
+        state[step.declared if self.large else []] = True
         reached[self.y] = True
-        self._stays = stays & ~reached & ~(step._clear != 0.0).any(axis=1)
-        self._stays[self.tangents.layout.at :] = False
+        self.stays = stays & ~reached & ~addresses
+        self.stays[block.layout.at :] = False
         self.state, reached[self.cells] = np.flatnonzero(state), False
-        self._reached = reached
         _, by = self.started(self.cells)
-        follows = self._stays & (by != 0.0).any(axis=1)
+        follows = self.stays & (by != 0.0).any(axis=1)
         follows[self.cells] = True
         self.derived = np.flatnonzero(follows)
         self.live = np.flatnonzero(reached)
@@ -196,32 +196,25 @@ class Model:
 
     def started(self, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the whole block as initialized, (n,), and how all cells move there by each of some parameters' cells, (n, d)."""
-        kept, n, width = self.step._save(), self.step._n, self.tangents.width
-        parts = [np.zeros((n, 0))]
-        for k in range(0, max(cells.size, 1), width):
-            some = cells[k : k + width]
-            self.tangents.start(some.tolist())
-            parts.append(self._arena.tangents[:n, : some.size].copy())
-        numbers = self._arena.cells[:n].copy()
-        self.step._restore(kept)
+        block, kept = self.block, self.block.save()
+        parts = [block.tangents[:, : some.stop - some.start].copy() for some in block.starts(cells)]
+        numbers = block.cells.copy()
+        block.restore(kept)
         return numbers, np.concatenate(parts, axis=1)
 
     def prior(self, cells: np.ndarray) -> np.ndarray:
         """How live cells move by parameters' cells behind the first instants, (l, d)."""
-        kept, width, parts = self.step._save(), self.tangents.width, [np.zeros((self.live.size, 0))]
-        for k in range(0, cells.size, width):
-            self.tangents.start(cells[k : k + width].tolist())
-            self.tangents.end_at(np.inf)
-            self.step._taken = 0
-            self.step.advance(self.first)
-            parts.append(self.step.tangents(self.live)[:, : cells[k : k + width].size].copy())
-        self.step._restore(kept)
+        block, kept, parts = self.block, self.block.save(), []
+        for some in block.starts(cells):
+            block.fill()
+            parts.append(block.tangents[self.live, : some.stop - some.start])
+        block.restore(kept)
         return np.concatenate(parts, axis=1)
 
     # -- numbers -----------------------------------------------------------------------------------------------------
     def set_unknowns(self, q: np.ndarray) -> None:
         """Numbers of the unknowns where initialization begins."""
-        self.numbers[self.cells] = [u.bounds.outer(v) for u, v in zip(self.unknowns, q, strict=True)]
+        self.block.initial[self.cells] = [u.bounds.outer(v) for u, v in zip(self.unknowns, q, strict=True)]
 
     def follow(self, q: np.ndarray) -> None:
         """Let derived cells follow from the numbers q; `along` has then their derivatives by q, (d, p)."""
@@ -230,27 +223,17 @@ class Model:
         if self.restarts:
             numbers, by = self.started(self.cells)
             by[self.cells, np.arange(self.cells.size)] = 1.0
-            self._arena.cells[self.derived], self.along = numbers[self.derived], by[self.derived] * slopes
+            self.block.cells[self.derived], self.along = numbers[self.derived], by[self.derived] * slopes
         else:
-            self._arena.cells[self.derived] = self.numbers[self.derived]
+            self.block.cells[self.derived] = self.block.initial[self.derived]
             self.along = (self.derived[:, None] == self.cells) * slopes
-
-    @property
-    def block(self) -> np.ndarray:
-        """All cells where the model stands, (n,)."""
-        return self._arena.cells[: self.step._n]
 
     def propagate(self, cells: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """A macro step on; returns how live cells moved with directions, (n, d), of some cells before: (l, d)."""
-        step, width, count = self.step, self.tangents.width, max(directions.shape[1], 1)
-        before, moved = step._save() if count > width else None, []
-        for k in range(0, count, width):
-            if k:
-                step._restore(before)  # type: ignore[arg-type]
-            some = directions[:, k : k + width]
-            step.seed(cells, some)
-            step.advance(1)
-            moved.append(step.tangents(self.live)[:, : some.shape[1]].copy())
+        moved = []
+        for some in self.block.batches(cells, directions):
+            self.block.advance(1)
+            moved.append(self.block.tangents[self.live, some])
         return np.concatenate(moved, axis=1)
 
     def kicks(self, deviations: bool, dt: float) -> tuple[np.ndarray, np.ndarray]:

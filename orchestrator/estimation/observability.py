@@ -39,7 +39,7 @@ def observability(model: Model, measured: Measurements, noise: np.ndarray) -> Ob
     rng, information = np.random.default_rng(0), np.zeros((len(names), len(names)))
     for _ in range(RUNS):
         belief = Extended(model)
-        dt, start, count = model.step.h, model.step.time, len(names)
+        dt, start, count = model.block.h, model.block.time, len(names)
         last = np.ceil((measured.time - start) / dt - 1e-9).astype(int)  # the step that each measurement lies in
         belief.take(rng.standard_normal(count), np.eye(count))
         with suppress(StepFailed):  # what is drawn may be too far off for the scene: what was seen until then counts

@@ -16,6 +16,7 @@ from math import inf, isfinite
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
+from ..derivatives.tangent_run import tangent_run
 from ..scene.names import numerical_of
 from .filtering import Innovations
 from .model import Model
@@ -77,7 +78,7 @@ class Suspected:
 def suspected(model: Model, wanted: Sequence[str] | None, signals: Sequence[str], noise: np.ndarray, where: str) -> Suspected:
     """The numbers that a plan names, or those that the signals, with noise (k,), see most."""
     taken = {u.name for u in model.unknowns}
-    known = [n for n in model.tangents.parameters() if n not in taken]
+    known = [n for n in model.block.parameters() if n not in taken]
     numerical = numerical_of(model.scene, known)
     known = [n for n in known if n not in numerical]
     if wanted is None:
@@ -92,19 +93,19 @@ def suspected(model: Model, wanted: Sequence[str] | None, signals: Sequence[str]
                     "a parameter or a free input that is not estimated",
                     nearest(pattern, known),
                 )
-    at = np.array([model.tangents.value(n) for n in names])
+    at = np.array([model.block.value(n) for n in names])
     scale = np.where(at != 0.0, np.abs(at), 1.0)
     if wanted is None and len(names) > MOST:
-        rows = model.tangents.run(names)
+        rows = tangent_run(model.block, names)
         y = [model.signals.index(s) for s in signals]
         seen = np.nan_to_num((np.square(rows.tangents[:, y]).mean(axis=0) / noise[:, None] ** 2).sum(axis=0)) * scale**2
         best = np.sort(np.argsort(-seen)[:MOST])
         names, at, scale = [names[k] for k in best if seen[k] > 0.0], at[best][seen[best] > 0.0], scale[best][seen[best] > 0.0]
     model.begin()
-    own = np.array([model.tangents._place_of(n) for n in names], dtype=np.intp)
+    own = model.block.places(names)
     _, moved = model.started(own)
     moved[own, np.arange(own.size)] = 1.0
-    cells = np.setdiff1d(np.union1d(np.flatnonzero(model._stays & (moved != 0.0).any(axis=1)), own), model.live)
+    cells = np.setdiff1d(np.union1d(np.flatnonzero(model.stays & (moved != 0.0).any(axis=1)), own), model.live)
     none = np.zeros((1, 2 * len(signals)))
     by = np.hstack([moved[cells] * scale, none.repeat(cells.size, axis=0)])
     start = np.hstack([model.prior(own) * scale, none.repeat(model.live.size, axis=0)])

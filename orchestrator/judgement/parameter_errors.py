@@ -141,11 +141,11 @@ def _exact(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, s
     names = tolerances.names
     try:
         from ..derivatives.gradient import slopes_of
-        from ..derivatives.tangent_run import TangentScene
+        from ..derivatives.tangent_block import TangentBlock
 
         with ExitStack() as stack:
-            scene = TangentScene(result.scene, stack)
-            return slopes_of(result, scene, key_results, names, {n: scene.value(n) for n in names}), "exact"
+            block = TangentBlock(result.scene, stack)
+            return slopes_of(result, block, key_results, names, {n: block.value(n) for n in names}), "exact"
     except (BadInput, ImportError) as error:
         return None, f"differences ({error})"
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from ..derivatives.coupled_step import CoupledStep, sampling_periods
-from ..derivatives.growth import Instant, PushedScene
+from ..derivatives.push import PushedScene
+from ..derivatives.tangent_block import Instant
 from ..run.thresholds import AT_REST, SAME_MAP
 from ..scene.scene import Scene
 from .growth import Growth, StepLimit, growth_rate, longest_stable
@@ -79,7 +80,7 @@ class CouplingStability:
 
         Beside them how many eigenvalues are at 1, of free bodies: with shorter steps those of slow modes come as near to 1.
         """
-        if sum(unit.component.x.size for unit in self._pushed.layout.units) > MOST or sampling_periods(self.scene):
+        if sum(unit.component.x.size for unit in self._pushed.block.layout.units) > MOST or sampling_periods(self.scene):
             return None  # steps that are tried have no period in common with those of controllers
         try:
             cells, first = self._coupling(self._instants[0])
@@ -96,20 +97,21 @@ class CouplingStability:
     def _coupling(self, instant: Instant) -> tuple[np.ndarray, np.ndarray]:
         """Cells of the state that couple units at an instant, (n,), and the derivative of a macro step by them, (n, n)."""
         step = self._step(self.scene.master.step, instant)
-        rows = np.sort(np.concatenate([np.zeros(0, dtype=int), *step.coupling_blocks()]))
-        return step.cells[rows], step.jacobian()[np.ix_(rows, rows)]
+        state = step.state()
+        rows = np.sort(np.concatenate([np.zeros(0, dtype=int), *step.coupling_blocks(state)]))
+        return state.cells[rows], state.jacobian[np.ix_(rows, rows)]
 
     def _step(self, h: float, instant: Instant) -> CoupledStep:
-        self._pushed.restore(instant)
-        step = CoupledStep(self._pushed, h)
-        step.stand(instant.t)
-        step.advance(WARM * step.steps)
+        self._pushed.back(instant, h)
+        step = CoupledStep(self._pushed.block)
+        step.block.fill()
+        step.block.advance(WARM * step.steps)
         return step
 
     def _radius(self, h: float, cells: np.ndarray, at_rest: int) -> float:
         """The largest absolute eigenvalue of the coupling in a macro step of h, s, but for so many next to 1, of free bodies."""
         step = self._step(h, self._instants[0])
-        values = np.linalg.eigvals(step.products(np.eye(cells.size), step.steps, cells))
+        values = np.linalg.eigvals(step.derivative(cells, np.eye(cells.size), cells))
         moving = values[np.argsort(np.abs(values - 1.0))[at_rest:]]
         radius = float(np.abs(moving).max(initial=np.finfo(float).tiny))
         return 1.0 if abs(radius - 1.0) < ROUNDING else radius ** (1.0 / step.steps)
@@ -118,15 +120,16 @@ class CouplingStability:
     @cached_property
     def _instants(self) -> list[Instant]:
         """The start, and where the stretches begin, of the run with a quarter of the scene's step, as far as that comes."""
-        scene, pushed = self.scene, self._pushed
-        reached, h = [pushed.save()], scene.master.step / FINER
+        scene, block = self.scene, self._pushed.block
+        reached = [block.save()]
+        block.pace(scene.master.step / FINER)
         for k in range(STRETCHES):
             t = scene.start_time + scene.duration * (k + 0.5) / (STRETCHES + 1)
             try:
-                pushed.advance(h, FINER * max(round((t - pushed.t) / scene.master.step), 1))
+                block.advance(FINER * max(round((t - block.time) / scene.master.step), 1))
             except StepFailed:
                 break
-            reached.append(pushed.save())
+            reached.append(block.save())
         return reached
 
     def _rate(self, h: float) -> tuple[float, str]:
@@ -141,13 +144,13 @@ class CouplingStability:
         pushed, scene = self._pushed, self.scene
         n = max(round(scene.duration / (STRETCHES * h)), FEWEST)
         for instant in self._instants[1:] or self._instants:
-            if rates and instant.t + (n + WARM) * h > scene.stop_time:
+            if rates and instant.time + (n + WARM) * h > scene.stop_time:
                 break
-            pushed.restore(instant)
+            pushed.back(instant, h)
             try:
-                pushed.advance(h, WARM)
+                pushed.block.advance(WARM)
                 pushed.push()
-                rates.append(growth_rate(pushed.advance(h, n), h))
+                rates.append(growth_rate(pushed.sizes(n), h))
             except StepFailed as error:
                 return math.inf, str(error)
         left = [rate for rate in rates if rate > -math.inf]  # where units stick, nothing is left of a push

@@ -14,8 +14,9 @@ from cosimo.tests.derivatives.coupled_masses import as_kernels
 from cosimo.tests.engine.algorithms.oscillators import TwoMasses, radius
 
 if COMPILED:
+    from cosimo.orchestrator.derivatives.cells import cell_name
     from cosimo.orchestrator.derivatives.coupled_step import CoupledStep, common_steps
-    from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+    from cosimo.orchestrator.derivatives.tangent_block import TangentBlock
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 STEPS = 5e-3, 2e-2, 0.06, 0.115
@@ -43,12 +44,12 @@ def largest(matrix: np.ndarray) -> float:
 
 
 def coupling_radius(step: CoupledStep) -> float:
-    matrix = step.jacobian()
-    return max((largest(matrix[np.ix_(block, block)]) for block in step.coupling_blocks()), default=0.0)
+    state = step.state()
+    return max((largest(state.jacobian[np.ix_(block, block)]) for block in step.coupling_blocks(state)), default=0.0)
 
 
 def opened(scene, stack: ExitStack) -> CoupledStep:
-    step = CoupledStep(TangentScene(scene, stack))
+    step = CoupledStep(TangentBlock(scene, stack))
     step.begin()
     return step
 
@@ -64,9 +65,9 @@ def test_the_radius_of_a_mass_on_a_spring_is_that_of_the_matrix_by_hand(algorith
     """At rest, too, where no input moves at all."""
     scene = on_spring(**{"master.algorithm": algorithm, "master.extrapolation": degree, "mass.start_velocity_x": velocity})
     with ExitStack() as stack:
-        tangents = TangentScene(scene, stack)
+        block = TangentBlock(scene, stack)
         for h in STEPS:
-            step = CoupledStep(tangents, h)
+            step = CoupledStep(block, h)
             step.begin()
             assert coupling_radius(step) == pytest.approx(largest(by_hand(degree, h)), abs=1e-13)
 
@@ -74,11 +75,11 @@ def test_the_radius_of_a_mass_on_a_spring_is_that_of_the_matrix_by_hand(algorith
 def test_the_state_is_what_is_read_before_it_is_written():
     with ExitStack() as stack:
         step = opened(on_spring(**{"master.extrapolation": 2}), stack)
-        names = [step.name(cell) for cell in step.cells]
+        names = [cell_name(step.block, cell) for cell in step.state().cells]
         assert names == [f"mass.x[{k}]" for k in range(6)] + [
             f"mass.base_force_x ({s})" for s in ("present", "before", "earlier")
         ]
-        assert step.time == pytest.approx(2.0 * step.h)
+        assert step.block.time == pytest.approx(2.0 * step.block.h)
 
 
 @pytest.mark.parametrize(
@@ -96,9 +97,9 @@ def test_radii_of_two_masses_are_those_of_the_matrix_made_in_python(split, algor
     for degree in (0, 1, 2):
         settings = {"algorithm": algorithm, "extrapolation": degree, "feedthrough": feedthrough}
         with ExitStack() as stack:
-            tangents = TangentScene(read_scene(as_kernels(TwoMasses().scene(split, 1e-2, **settings))), stack)
+            block = TangentBlock(read_scene(as_kernels(TwoMasses().scene(split, 1e-2, **settings))), stack)
             for h in (1e-3, 1e-2, 3e-2):
-                step = CoupledStep(tangents, h)
+                step = CoupledStep(block, h)
                 step.begin()
                 expected = radius(TwoMasses().scene(split, h, 1.0, **settings))
                 assert coupling_radius(step) == pytest.approx(expected, abs=2e-13)
@@ -115,25 +116,28 @@ def test_a_unit_with_a_rate_of_its_own_has_the_map_of_its_period():
         assert step.steps == 3
         for _ in range(4):  # at each phase
             assert coupling_radius(step) == pytest.approx(largest(hand), abs=1e-12)
-            step.advance(1)
+            step.block.advance(1)
 
 
 def test_products_are_those_of_the_jacobian_and_of_differences():
     rng = np.random.default_rng(1)
     with ExitStack() as stack:
         step = opened(on_spring(**{"master.algorithm": "jacobi"}), stack)
-        step.advance(7)
-        directions = rng.standard_normal((step.cells.size, 11))
-        np.testing.assert_allclose(step.products(directions), step.jacobian() @ directions, rtol=0, atol=1e-13)
-        np.testing.assert_allclose(step.products(directions, 5), step.jacobian(5) @ directions, rtol=0, atol=1e-12)
-        numbers, cells, before = step._arena.cells, step.cells, step._save()
+        block = step.block
+        block.advance(7)
+        cells, jacobian, _ = step.state()
+        directions = rng.standard_normal((cells.size, 11))
+        np.testing.assert_allclose(step.derivative(cells, directions, cells), jacobian @ directions, rtol=0, atol=1e-13)
+        five = step.derivative(cells, directions, cells, 5)
+        np.testing.assert_allclose(five, step.derivative(cells, np.eye(cells.size), cells, 5) @ directions, rtol=0, atol=1e-12)
+        numbers, before = block.cells, block.save()
         moved = []
         for way in (1e-6, -1e-6):
             numbers[cells] += way * directions[:, 0]
-            step.advance(5)
-            moved.append(numbers[cells].copy())
-            step._restore(before)
-        np.testing.assert_allclose((moved[0] - moved[1]) / 2e-6, step.products(directions[:, :1], 5)[:, 0], rtol=1e-6, atol=1e-8)
+            block.advance(5)
+            moved.append(numbers[cells])
+            block.restore(before)
+        np.testing.assert_allclose((moved[0] - moved[1]) / 2e-6, five[:, 0], rtol=1e-6, atol=1e-8)
 
 
 def test_a_session_is_taken_where_it_stands():
@@ -142,13 +146,13 @@ def test_a_session_is_taken_where_it_stands():
     with ExitStack() as stack, cosimo.open(scene) as session:
         session.initialize()
         session.step(40)
-        step = CoupledStep(TangentScene(scene, stack))
+        step = CoupledStep(TangentBlock(scene, stack))
         step.take(session._master, session.time)
-        there = step.jacobian()
+        there = step.state().jacobian
         step.begin()
-        at_start = step.jacobian()
-        step.advance(40 - round((step.time - scene.start_time) / step.h))
-        np.testing.assert_allclose(step.jacobian(), there, rtol=1e-10, atol=1e-12)
+        at_start = step.state().jacobian
+        step.block.advance(40 - step.block.taken)
+        np.testing.assert_allclose(step.state().jacobian, there, rtol=1e-10, atol=1e-12)
         assert np.abs(there - at_start).max() > 1e-3
 
 

@@ -15,7 +15,8 @@ from cosimo.tests.derivatives.differences import Verdict, verdict
 from cosimo.tests.derivatives.test_tangent_run import columns, short
 
 if COMPILED:
-    from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+    from cosimo.orchestrator.derivatives.tangent_block import TangentBlock
+    from cosimo.orchestrator.derivatives.tangent_run import tangent_run
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 STEPS = 60
@@ -28,9 +29,9 @@ def judged(name: str) -> dict[str, Verdict]:
     """Of each real parameter of a scene what differences say, over a short run; raises `BadInput` for a scene that is refused."""
     scene = short(name, STEPS)
     with ExitStack() as stack, cosimo.open(scene) as session:
-        tangents = TangentScene(scene, stack)
-        numerical = numerical_of(scene, tangents.parameters())
-        names = [n for n in tangents.parameters() if n not in numerical]
+        block = TangentBlock(scene, stack)
+        numerical = numerical_of(scene, block.parameters())
+        names = [n for n in block.parameters() if n not in numerical]
 
         def numbers(parameter: str, value: float) -> np.ndarray | None:
             """The recorded signals of a run without tangents, (n, S); None where it cannot run."""
@@ -45,10 +46,10 @@ def judged(name: str) -> dict[str, Verdict]:
                 return None
 
         verdicts = dict.fromkeys(numerical, Verdict(NUMERICS, 0.0))
-        rows = tangents.run(names)
-        places = [tangents.signals.index(end) for end in scene.coupling.signals]
+        rows = tangent_run(block, names)
+        places = [block.signals.index(end) for end in scene.coupling.signals]
         for k, parameter in enumerate(names):
-            value = tangents.value(parameter)
+            value = block.value(parameter)
 
             def at(way: float, parameter: str = parameter, value: float = value) -> np.ndarray | None:
                 return numbers(parameter, value + way)

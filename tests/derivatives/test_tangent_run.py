@@ -10,7 +10,8 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 
 if COMPILED:
-    from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+    from cosimo.orchestrator.derivatives.tangent_block import TangentBlock
+    from cosimo.orchestrator.derivatives.tangent_run import tangent_run
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 
@@ -26,9 +27,9 @@ def columns(result):
     return np.array(list(result.columns.values())).T
 
 
-def recorded(tangent_scene, result, values):
+def recorded(block, result, values):
     """Of signals, (n, S), those that a run records, in its order."""
-    places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(tangent_scene.signals)}
+    places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(block.signals)}
     return values[:, [places[name] for name in result.columns]]
 
 
@@ -38,10 +39,10 @@ def recorded(tangent_scene, result, values):
 def test_numbers_beside_tangents_are_bit_identical_to_a_run(name):
     scene = short(name, 300)
     with ExitStack() as stack:
-        tangent_scene = TangentScene(scene, stack, follow=False)
-        rows = tangent_scene.run(tangent_scene.parameters()[:3])
+        block = TangentBlock(scene, stack, follow=False)
+        rows = tangent_run(block, block.parameters()[:3])
         result = cosimo.run(scene, in_process=True, verify="no")
-        np.testing.assert_array_equal(recorded(tangent_scene, result, rows.values), columns(result))
+        np.testing.assert_array_equal(recorded(block, result, rows.values), columns(result))
         np.testing.assert_array_equal(rows.time, result.time)
 
 
@@ -51,12 +52,12 @@ def test_numbers_beside_tangents_are_bit_identical_to_a_run(name):
 )
 def test_derivatives_of_a_coupled_run_are_those_of_differences(name, parameter):
     with ExitStack() as stack:
-        tangent_scene = TangentScene(short(name, 200), stack)
-        value, rows = tangent_scene.value(parameter), tangent_scene.run([parameter])
+        block = TangentBlock(short(name, 200), stack)
+        value, rows = block.value(parameter), tangent_run(block, [parameter])
     d = 1e-5 * value
     results = [cosimo.run(short(name, 200, {parameter: value + way}), in_process=True, verify="no") for way in (d, -d)]
     differences = (columns(results[0]) - columns(results[1])) / (2.0 * d)
-    exact = recorded(tangent_scene, results[0], rows.tangents[:, :, 0])
+    exact = recorded(block, results[0], rows.tangents[:, :, 0])
     size = np.max(np.abs(differences), axis=0)
     assert np.max(size) > 0.0
     rounding = 1e-14 * np.max(np.abs(columns(results[0]))) / d

@@ -12,7 +12,8 @@ from cosimo.tests.derivatives.test_tangent_run import short
 
 if COMPILED:
     from cosimo.fmus.derivatives.compiled import Arena, Compiled
-    from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+    from cosimo.orchestrator.derivatives.tangent_block import TangentBlock
+    from cosimo.orchestrator.derivatives.tangent_run import tangent_run
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 LARGER = """  %more = fcmp ogt double %a, %b
@@ -63,9 +64,9 @@ def test_initial_values_that_stand_at_once_pass_their_derivatives_on():
     """The error of a controller at a sleeve that starts at 0, which the controller was handed as 0 already: -1 m/m from the start on."""
     scene = short("friction-drive-step", 2, {"controller.effects.quantisation": False})
     with ExitStack() as stack:
-        tangents = TangentScene(scene, stack)
-        rows = tangents.run(["wheels.start_feed"])
-    error = tangents.signals.index(("controller", "feed_error"))
+        block = TangentBlock(scene, stack)
+        rows = tangent_run(block, ["wheels.start_feed"])
+    error = block.signals.index(("controller", "feed_error"))
     assert rows.values[0, error] == 0.0
     np.testing.assert_allclose(rows.tangents[0, error], [-1.0], rtol=1e-12)
 
@@ -75,8 +76,8 @@ def test_initial_values_that_stand_at_once_pass_their_derivatives_on():
 def test_derivatives_that_are_rounding_alone_stand(name):
     """Such as those of a bearing's force of 1e-13 N by a shear modulus of 8e10 Pa, 1e-25 N/Pa, in every sweep another one."""
     with ExitStack() as stack:
-        tangents = TangentScene(short(name, 2), stack)
-        assert np.isfinite(tangents.run(tangents.parameters()).tangents).all()
+        block = TangentBlock(short(name, 2), stack)
+        assert np.isfinite(tangent_run(block, block.parameters()).tangents).all()
 
 
 @pytest.mark.full
@@ -87,9 +88,9 @@ def test_an_exact_zero_decides_no_derivative(parameter, signal):
     """Rows of a regular arrangement are orthogonal already; a tether in a plane has no slope across it."""
     scene, d = short("rov-manoeuvre", 3), 1e-3
     with ExitStack() as stack, cosimo.open(scene) as session:
-        tangents = TangentScene(scene, stack)
-        value, place = tangents.value(parameter), tangents.signals.index(tuple(signal.split(".")))
-        exact = tangents.run([parameter]).tangents[:, place, 0]
+        block = TangentBlock(scene, stack)
+        value, place = block.value(parameter), block.signals.index(tuple(signal.split(".")))
+        exact = tangent_run(block, [parameter]).tangents[:, place, 0]
         runs = []
         for way in (d, -d):
             session.reset()

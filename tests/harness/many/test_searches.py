@@ -14,7 +14,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.derivatives.along import PointDerivatives
-from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+from cosimo.orchestrator.derivatives import tangent_run
 from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.evaluations import evaluations
@@ -106,9 +106,9 @@ def test_a_design_with_another_spelling_of_a_parameter():
 
 @pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 def test_an_aim_and_its_limits_have_derivatives_of_one_run(monkeypatch):
-    points, kept = [], TangentScene.recorded
+    points, kept = [], tangent_run.recorded
     monkeypatch.setattr(
-        TangentScene, "recorded", lambda self, point, names: points.append(dict(point)) or kept(self, point, names)
+        tangent_run, "recorded", lambda block, point, names: points.append(dict(point)) or kept(block, point, names)
     )
     assert design(OSCILLATOR, STIFF | {"method": "SLSQP", "evaluations": 3}, verify=False).steps
     assert len(points) > 1

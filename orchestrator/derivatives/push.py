@@ -1,0 +1,47 @@
+"""How a small push of the coupling grows along a run: tangents of the exchanged signals, with macro steps of any length."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+import numpy as np
+
+from ..scene.scene import Scene
+from .tangent_block import Instant, TangentBlock
+
+
+class PushedScene:
+    """A scene that goes on from any instant it was at, with macro steps of any length and the tangent of one push.
+
+    block: of one direction, at first at the start of the scene.
+    """
+
+    def __init__(self, scene: Scene, stack: ExitStack):
+        """`stack` closes the units. Raises `BadInput` for what has no derivatives, `StepFailed` where the scene does not start."""
+        self.block = block = TangentBlock(scene, stack, width=1)
+        block.start()
+        interfaces, memory = scene.coupling.interfaces, block.master.records.memory
+        self._nominal = np.array([interfaces[unit].outputs[name].nominal for unit, name in block.signals])
+        seeds: list[int] = []
+        sizes: list[float] = []
+        for node in block.master.nodes:
+            for k, link in enumerate(node.links, start=int(memory.units["first_link"][node.called])):
+                samples = block.samples(k)
+                seeds += samples
+                sizes += len(samples) * [interfaces[link.target[0]].inputs[link.target[1]].nominal]
+        self._seeds, self._push = seeds, np.array(sizes) * np.random.default_rng(0).standard_normal(len(sizes))
+
+    def back(self, instant: Instant, h: float) -> None:
+        """To an instant, without tangents; macro steps of h, s, from there on."""
+        self.block.restore(instant)
+        self.block.seed()
+        self.block.pace(h)
+
+    def push(self) -> None:
+        """Add tangents to all samples that inputs follow from, of the sizes of the inputs' nominal values."""
+        self.block.tangents[self._seeds, 0] += self._push
+
+    def sizes(self, steps: int) -> np.ndarray:
+        """Of the tangents of the signals behind each of some macro steps, over their nominal values, (n,); raises `StepFailed`."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.concatenate([np.linalg.norm(by[:, :, 0] / self._nominal, axis=1) for _, by in self.block.rows(steps)])
