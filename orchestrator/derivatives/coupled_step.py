@@ -150,8 +150,8 @@ class CoupledStep:
 
     def couples(self, cells: np.ndarray) -> bool:
         """Whether cells reach from unit to unit: cells of the master are among them, or of several units."""
-        found = set(owners(self.block, cells).tolist())
-        return -1 in found or len(found) > 1
+        units = set(owners(self.block, cells).tolist())
+        return -1 in units or len(units) > 1
 
     def coupling_blocks(self, state: CoupledState) -> list[np.ndarray]:
         """The blocks of a state that reach from unit to unit; a coupling grows where they have an eigenvalue beyond 1."""

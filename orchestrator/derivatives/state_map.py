@@ -82,7 +82,7 @@ class StateMap:
         """Find the cells of the state, at z or at the start, beside those that are known; whether there are more. `begin` comes first."""
         self.stand(z)
         known = self.cells
-        self.cells = np.union1d(known, self._found())
+        self.cells = np.union1d(known, self._cells_there())
         return self.cells.size > known.size
 
     def find_nearby(self) -> None:
@@ -101,7 +101,7 @@ class StateMap:
         """The state (n,) of another opening of the scene at t, s, whose cells are found; the map is now one from t."""
         self.step.take(master, t)
         self.at, self._plain = t, self.block.still
-        self.cells = np.union1d(self.cells, self._found())
+        self.cells = np.union1d(self.cells, self._cells_there())
         z, self._base = self.z, None
         self.begin()
         return z

@@ -16,7 +16,7 @@ from cosimo.tests.derivatives.test_tangent_run import columns, short
 
 if COMPILED:
     from cosimo.orchestrator.derivatives.tangent_block import TangentBlock
-    from cosimo.orchestrator.derivatives.tangent_run import tangent_run
+    from cosimo.orchestrator.derivatives.tangent_run import beside, tangent_run
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 STEPS = 60
@@ -54,15 +54,15 @@ def judged(name: str) -> dict[str, Verdict]:
             def at(way: float, parameter: str = parameter, value: float = value) -> np.ndarray | None:
                 return numbers(parameter, value + way)
 
-            def beside(way: float, parameter: str = parameter) -> np.ndarray | None:
+            def aside(way: float, parameter: str = parameter) -> np.ndarray | None:
                 try:
-                    return tangents.beside(parameter, way).tangents[:, places, 0]
+                    return beside(block, parameter, way).tangents[:, places, 0]
                 except StepFailed:
                     return None
 
             exact, told = rows.tangents[:, places, k], bool(rows.at_tie[k])
             sizes = [abs(value)] if value else SIZES_OF_ZERO
-            verdicts[parameter] = verdict(exact, numbers(parameter, value), at, sizes, told, beside)
+            verdicts[parameter] = verdict(exact, numbers(parameter, value), at, sizes, told, aside)
             at(0.0)  # the next parameter finds this one as it was
     return verdicts
 

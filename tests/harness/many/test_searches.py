@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.derivatives.along import PointDerivatives
 from cosimo.orchestrator.derivatives import tangent_run
+from cosimo.orchestrator.derivatives.along import PointDerivatives
 from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.evaluations import evaluations
