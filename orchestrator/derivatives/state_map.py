@@ -93,7 +93,7 @@ class StateMap:
             self.find(z + NEARBY * np.maximum(np.abs(z), NEARBY) * np.random.default_rng(0).standard_normal(z.size))
         self.stand()
 
-    def _found(self) -> np.ndarray:
+    def _cells_there(self) -> np.ndarray:
         """Cells of the state where the scene stands without tangents of parameters."""
         return np.setdiff1d(self.step.state().cells, self._counters)
 
