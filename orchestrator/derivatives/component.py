@@ -8,7 +8,7 @@ import numpy as np
 
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, StepFailed
 from ...components.core.kernels import COMPILED
 from ...fmus.native.machine_code import compile_entries, source_of
 
@@ -27,7 +27,7 @@ class TangentComponent:
         from ...fmus.derivatives.compiled import Arena, Compiled
         from ...fmus.derivatives.grammar import Unsupported
 
-        self._component, block = component, component.block
+        self._name, block = component.name, component.block
         assert block is not None
         try:
             code = Compiled([compile_entries(source_of(component))], width)
@@ -59,4 +59,5 @@ class TangentComponent:
 
     def step(self, t: float, h: float) -> None:
         """A step of h, s, from t; raises `StepFailed`."""
-        self._component._check(self._step(t, h, *self._arena.given()))
+        if self._step(t, h, *self._arena.given()):
+            raise StepFailed(self._name, t, "a step with derivatives has failed", "See what a step alone says")
