@@ -63,7 +63,7 @@ class Effect:
     `explicit_only`: only a scene switches the effect on; a study of effects never adds it. So are parts, defects, loads, programmes
     and other forms of the model, which do not refine what a scene already has.
 
-    `replaces`: parameters of the component that the effect makes ineffective; arrays without an index.
+    `replaces`: parameters of the component, or of effects that it requires, that the effect makes ineffective; arrays without an index.
 
     `read_by`: the kernels that read its values. The others get None, so that they are compiled once for all sets of such effects.
     """

@@ -36,8 +36,9 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
             if other not in cls.effects or other == name:
                 yield name, "another effect of the class", f"effect {name!r} with {other!r}", nearest(other, cls.effects)
         own = [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER]
+        required = [f"{other}.{v.name}" for other in effect_class.requires for v in cls.effects[other].variables]
         for other in effect_class.replaces:
-            if other not in own:
+            if other not in (*own, *required):
                 yield name, "a parameter of the class", f"effect {name!r} in the place of {other!r}", nearest(other, own)
     for name, preset in cls.presets.items():
         for effect in preset.effects:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.errors import BadInput
 from ..core.linear import add_product
 from ..core.variables import input_, output, parameter, text
-from .elements import Disk, solid_disk
+from .disks import MAX_DISKS, STEEL, Disks, DiskTable, disks_of
 from .frame import FrameRotation
 from .initialization import (
     BEARING_BEYOND,
     DISK_BEYOND,
     HOLLOW,
     NO_MATERIAL,
+    SPEED_BEYOND,
     SUPPORT_BEYOND,
     UNBALANCE_LOST,
     WATCHED_BEYOND,
@@ -27,12 +30,9 @@ from .model import DOFS, WIDTH, Matrices, dense, most_nodes
 from .ports import Bearing
 from .sections import sections_of
 from .spin import RunUp
+from .supports import LinearSupports, SupportTable, add_supports, beyond_rows, follow_speed, supports_of
 
-MAX_DISKS = 4
-STEEL = 7810.0  # kg/m³
 ON_SHAFT = "a place on the shaft, 0 to {extent} m"
-NO_DISK = Disk(0.0, 0.0, 0.0)
-DEFAULT_DISKS = (solid_disk(0.28, 0.05, 0.07, STEEL), solid_disk(0.35, 0.05, 0.07, STEEL), NO_DISK, NO_DISK)
 
 
 class ShaftTable(Effect):
@@ -57,22 +57,6 @@ class Gyroscopic(Effect):
     """Gyroscopic moments of the shaft and of the disks."""
 
     read_by = ()
-
-
-class Disks(Effect):
-    """Rigid disks on the shaft; a disk of mass and inertia 0 is none. `elements.solid_disk` gives the numbers of a size."""
-
-    explicit_only = True
-    read_by = ("initialize",)
-
-    position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
-    mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
-    polar_inertia = parameter(
-        tuple(d.polar_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about the shaft's axis", size=MAX_DISKS, low=0.0
-    )
-    diametral_inertia = parameter(
-        tuple(d.diametral_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about a diameter", size=MAX_DISKS, low=0.0
-    )
 
 
 class Unbalance(Effect):
@@ -102,19 +86,6 @@ class Gravity(Effect):
     read_by = ("initialize",)
 
     acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
-
-
-class LinearSupports(Effect):
-    """Two places where springs and dampers hold the shaft to the ground; values of the rotor of the defaults."""
-
-    explicit_only = True
-    read_by = ("initialize",)
-
-    position = parameter((0.0, 1.5), "m", "place of a support on the shaft", size=2, low=0.0)
-    stiffness_x = parameter(1e6, "N/m", "stiffness along x", size=2, low=0.0)
-    stiffness_y = parameter(1e6, "N/m", "stiffness along y", size=2, low=0.0)
-    damping_x = parameter(0.0, "N.s/m", "damping along x", size=2, low=0.0)
-    damping_y = parameter(0.0, "N.s/m", "damping along y", size=2, low=0.0)
 
 
 class BearingA(Bearing):
@@ -178,16 +149,23 @@ class BeamRotor(KernelComponent):
         DISK_BEYOND: Refusal("a disk at {refused} m", ON_SHAFT),
         SUPPORT_BEYOND: Refusal("a support at {refused} m", ON_SHAFT),
         BEARING_BEYOND: Refusal("a bearing at {refused} m", ON_SHAFT),
+        SPEED_BEYOND: Refusal(
+            "a speed of {refused} rad/s",
+            "speeds within the rows of each support in support_table.table",
+            "Add rows; a support of one row holds at all speeds.",
+        ),
     }
 
     shaft_table = ShaftTable
     gyroscopic = Gyroscopic
     disks = Disks
+    disk_table = DiskTable
     unbalance = Unbalance
     internal_damping = InternalDamping
     gravity = Gravity
     run_up = RunUp
     linear_supports = LinearSupports
+    support_table = SupportTable
     bearing_a = BearingA
     bearing_b = BearingB
     frame_rotation = FrameRotation
@@ -251,9 +229,10 @@ class BeamRotor(KernelComponent):
         """Room for the most nodes; N = 4 `mesh[0]` degrees of freedom are in use, k ports.
 
         `x`: displacement, velocity, acceleration, (N,) each, angle.  `nodes`: m.  `mesh`: number of nodes; first degree of
-        freedom of the watched one.  `mass`, `damping`, `stiffness`: bands (N, 15) at speed 0 and without ports.  `gyroscopic`,
-        `circulatory`: bands per rad/s.  `load`: (N,) constant forces, N.  `supports`: (2, 6) first degree of freedom, lever to
-        the frame's axes in m, stiffness and damping along x and y.  `imbalance`: (4, 3) first degree of freedom, kg.m, rad.
+        freedom of the watched one.  `mass`, `damping`, `stiffness`: bands (N, 15) of shaft and disks.  `gyroscopic`,
+        `circulatory`: bands per rad/s.  `load`: (N,) constant forces, N.  `supports`: (m, 10) first degree of freedom, lever to
+        the frame's axes in m, the numbers of `COEFFICIENTS`.  `spans`, `support_rows`: of a table, see `supports_of`.
+        `disk_rows`: (n, 4) see `disks_of`.  `imbalance`: (4, 3) first degree of freedom, kg.m, rad.
         `ports`: (k, 3) node, first input, first output.  `about`: (2, N) gyroscopic force on the rotor per speed and rate of the
         frame about x and y.  `levers`: (k,) of ports to the frame's axes, m.
         `prepared`, `fixed`, `now`, `tangents`: see `integration`; (k, 2, 4, 4) the ports' tangents to which `now` belongs.
@@ -264,10 +243,16 @@ class BeamRotor(KernelComponent):
         p: Any = self.parameters
         on = self.on
         ports = np.zeros((sum(name in on for name in ("bearing_a", "bearing_b")), 3), dtype=np.int64)
-        supports = 2 if "linear_supports" in on else 0
+        spans, rows, supports = None, None, 2 if "linear_supports" in on else 0
+        if "support_table" in on:
+            rows, spans = supports_of(p["support_table.table"], f"{self.name}: support_table.table")
+            supports = len(spans)
+        disks = np.zeros((MAX_DISKS if "disks" in on else 0, 4))
+        if "disk_table" in on:
+            disks = disks_of(p["disk_table.table"], f"{self.name}: disk_table.table")
         shaft = sections_of(p["shaft_table.table"], f"{self.name}: shaft_table.table") if "shaft_table" in on else None
         sections, extent = (1, p["length"]) if shaft is None else (len(shaft), float(shaft[:, 0].sum()))
-        fixed = sections + (MAX_DISKS if "disks" in on else 0) + supports + len(ports)
+        fixed = sections + len(disks) + supports + len(ports)
         nodes = most_nodes(extent, p["element"], fixed)
         N = DOFS * nodes
         band = (N, WIDTH)
@@ -283,7 +268,10 @@ class BeamRotor(KernelComponent):
             "gyroscopic": band if "gyroscopic" in on else None,
             "circulatory": band if "internal_damping" in on else None,
             "load": N,
-            "supports": (supports, 6),
+            "supports": (supports, 10),
+            "spans": spans,
+            "support_rows": rows,
+            "disk_rows": disks,
             "imbalance": (MAX_DISKS, 3) if "unbalance" in on else None,
             "ports": ports,
             "levers": len(ports),
@@ -305,27 +293,37 @@ class BeamRotor(KernelComponent):
         s = self.arguments[0]
         return s.nodes[: s.mesh[NODES]]
 
-    def matrices(self) -> Matrices:
+    def speeds_of_supports(self) -> tuple[float, float]:
+        """Lowest and highest speed for which all supports of the table have rows, rad/s; of an initialized rotor."""
+        s = self.arguments[0]
+        ends = [s.support_rows[[int(a), int(a + n) - 1], 0] for _, a, n in s.spans if n > 1]
+        return max((e[0] for e in ends), default=-math.inf), min((e[1] for e in ends), default=math.inf)
+
+    def matrices(self, speed: float | None = None) -> Matrices:
         """Dense matrices of the equation of motion, without what attaches to ports; of an initialized rotor.
 
+        speed: rad/s, of the supports of a table, without one that of the last output; `BadInput` beyond their rows.
         Gyroscopic and circulatory ones are zero where their effect is off.
         """
         s, N = self.arguments[0], DOFS * self.nodes.size
-        return Matrices(
-            *(
-                np.zeros((N, N)) if band is None else dense(band[:N])
-                for band in (s.mass, s.damping, s.stiffness, s.gyroscopic, s.circulatory)
-            )
-        )
+        if s.spans is not None:
+            speed = float(s.y[4]) if speed is None else speed
+            if beyond_rows(speed, s):
+                where = f"{self.name}: support_table.table"
+                raise BadInput(where, f"a speed of {speed:g} rad/s", "speeds within the rows of each support", "Add rows.")
+            follow_speed(speed, s)
+        damping, stiffness = s.damping[:N].copy(), s.stiffness[:N].copy()
+        add_supports(s.supports, 1.0, 0.0, stiffness)
+        add_supports(s.supports, 0.0, 1.0, damping)
+        rest = (np.zeros((N, N)) if band is None else dense(band[:N]) for band in (s.gyroscopic, s.circulatory))
+        return Matrices(dense(s.mass[:N]), dense(damping), dense(stiffness), *rest)
 
     def energy(self) -> float:
-        """Energy of bending motion, shaft and linear supports, and of the height where there is gravity, J."""
+        """Energy of bending motion, shaft and supports, and of the height where there is gravity, J; kxy and kyx store their mean."""
         s, N = self.arguments[0], DOFS * self.nodes.size
-        q, v = self.x[:N], self.x[N : 2 * N]
-        force, momentum = np.zeros(N), np.zeros(N)
-        add_product(s.stiffness[:N], q, force)
+        q, v, momentum = self.x[:N], self.x[N : 2 * N], np.zeros(N)
         add_product(s.mass[:N], v, momentum)
-        return float(0.5 * (q @ force + v @ momentum) - q @ s.load[:N])
+        return float(0.5 * (q @ self.matrices().stiffness @ q + v @ momentum) - q @ s.load[:N])
 
 
 BeamRotor.kernels = Kernels(rotor_initialize, rotor_step, rotor_outputs)

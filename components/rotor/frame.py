@@ -23,6 +23,7 @@ from ..core.linear import add_product
 from ..core.variables import Causality, input_, output, parameter
 from .model import DOFS
 from .ports import STIFFNESS, Bearing
+from .supports import LEVER, NODE, support_force
 
 LOADS = tuple(
     f"bearing_{end}.{scalar.name}"
@@ -64,7 +65,7 @@ def turn_frame(nodes, gyroscopic, s, frame):
     add_product(gyroscopic, rigid_x, s.about[0, :N])
     add_product(gyroscopic, rigid_y, s.about[1, :N])
     for i in range(s.supports.shape[0]):
-        s.supports[i, 1] = nodes[int(s.supports[i, 0]) // DOFS] - frame.position
+        s.supports[i, LEVER] = nodes[int(s.supports[i, NODE]) // DOFS] - frame.position
     for i in range(s.ports.shape[0]):
         s.levers[i] = nodes[s.ports[i, 0]] - frame.position
 
@@ -85,9 +86,8 @@ def frame_outputs(s, frame, q, v):
     about_x, about_y = 0.0, 0.0
     supports, ports, u = s.supports, s.ports, s.u
     for i in range(supports.shape[0]):
-        j, lever = int(supports[i, 0]), supports[i, 1]
-        about_x -= lever * (supports[i, 3] * q[j + 1] + supports[i, 5] * v[j + 1])
-        about_y += lever * (supports[i, 2] * q[j] + supports[i, 4] * v[j])
+        about_x -= supports[i, LEVER] * support_force(supports[i], 1, q, v)
+        about_y += supports[i, LEVER] * support_force(supports[i], 0, q, v)
     for i in range(ports.shape[0]):
         j, first = DOFS * ports[i, 0], ports[i, 1]
         for row in range(4):

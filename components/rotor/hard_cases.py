@@ -55,6 +55,9 @@ SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in 
 
 BORED = "length [m],outer_diameter [mm],inner_diameter [mm]\n1.5,50,{}\n"
 
+SUPPORTS = "position [m],kxx [N/m],cxx [N.s/m]\n"
+DISKS = "position [m],mass [kg],Ip [kg.m2],Id [kg.m2]\n"
+
 HARD_CASES = {
     "JeffcottRotor": {
         "undamped at the critical speed": HardCase(
@@ -190,6 +193,29 @@ HARD_CASES = {
             Refused("and a wall", accepted={"shaft_table.table": BORED.format(49)}),
             effects=("shaft_table",),
             parameters={"shaft_table.table": BORED.format(50)},
+        ),
+        "a table of supports without stiffness": HardCase(
+            "It falls by g t²/2.",
+            (Invariant("displacement_y", 1e-8, value=lambda t: -0.5 * 9.81 * t**2),),
+            effects=("gravity", "support_table"),
+            parameters=LONG | {"support_table.table": f"{SUPPORTS}0,0,0\n1.5,0,0\n"},
+            run=(0.1, 0.01),
+        ),
+        "a run-up beyond the rows of a support": HardCase(
+            "Rows to 150 rad/s, a run-up to 151.",
+            Refused("within the rows", accepted={"run_up.end_speed": 150.0}),
+            effects=("support_table", "run_up"),
+            parameters={
+                "support_table.table": SUPPORTS.replace("position [m]", "position [m],speed [rad/s]")
+                + "0,0,1e6,0\n0,150,2e6,0\n",
+                "run_up.end_speed": 151.0,
+            },
+        ),
+        "a table of disks with nothing in a row": HardCase(
+            "Neither mass nor inertia.",
+            Refused("a mass or an inertia", accepted={"disk_table.table": f"{DISKS}0.5,1e-9,0,0\n"}),
+            effects=("disks", "disk_table"),
+            parameters={"disk_table.table": f"{DISKS}0.5,0,0,0\n"},
         ),
         "steel that shrinks sideways": HardCase(
             "A shear modulus with which Poisson's ratio has no value.",

@@ -9,12 +9,15 @@ from ..core.linear import add_product, factor_general, solve_general
 from .elements import circular_section
 from .frame import add_frame_load, turn_frame
 from .integration import NODES, SPEED, STEP, WATCHED, add_imbalance
-from .model import DOFS, HALF, add_band, add_disk, add_disk_gyroscopic, assemble_shaft, nearest_node, place_nodes, turn
+from .model import DOFS, add_band, add_disk, add_disk_gyroscopic, assemble_shaft, nearest_node, place_nodes, turn
 from .spin import TURN, acceleration_at, speed_at
 from .statics import equilibrium
+from .supports import NODE, add_supports, beyond_rows, follow_speed, hold_shaft
 
 # status
-HOLLOW, NO_MATERIAL, UNBALANCE_LOST, WATCHED_BEYOND, DISK_BEYOND, SUPPORT_BEYOND, BEARING_BEYOND = range(OWN + 1, OWN + 8)
+HOLLOW, NO_MATERIAL, UNBALANCE_LOST, WATCHED_BEYOND, DISK_BEYOND, SUPPORT_BEYOND, BEARING_BEYOND, SPEED_BEYOND = range(
+    OWN + 1, OWN + 9
+)
 
 
 @kernel
@@ -36,7 +39,12 @@ def rotor_initialize(t, s, p, e):
     force[s.mesh[WATCHED] + 1] += s.u[0, 1]
     if e.frame_rotation is not None:
         add_frame_load(0.0, speed, s, e.frame_rotation, force)
+    if s.spans is not None:
+        if beyond_rows(speed, s) or (e.run_up is not None and beyond_rows(e.run_up.end_speed, s)):
+            return SPEED_BEYOND
+        follow_speed(speed, s)
     copy_band(s.stiffness, band)
+    add_supports(s.supports, 1.0, 0.0, band)
     if s.circulatory is not None:
         add_band(speed, s.circulatory[:N], band)
     equilibrium(band, factors, s, q, force, p.start_fall)
@@ -85,9 +93,9 @@ def given(number, otherwise):
 
 
 @kernel
-def has_disk(disks, k):
-    """Whether a disk is one."""
-    return disks.mass[k] + disks.polar_inertia[k] + disks.diametral_inertia[k] != 0.0
+def is_disk(row):
+    """Whether a row of the disks, (4,), is one."""
+    return row[1] + row[2] + row[3] != 0.0
 
 
 @kernel
@@ -101,9 +109,14 @@ def add_place(position, count, s):
 @kernel
 def mesh_status(s, p, e):
     """Nodes, and which of them disks, supports, ports and the watched place have; whether all these are on the shaft."""
+    if e.disks is not None and e.disk_table is None:
+        for k in range(e.disks.mass.size):
+            row = s.disk_rows[k]
+            row[0], row[1] = e.disks.position[k], e.disks.mass[k]
+            row[2], row[3] = e.disks.polar_inertia[k], e.disks.diametral_inertia[k]
     if e.unbalance is not None:
         for k in range(e.unbalance.moment.size):
-            if e.unbalance.moment[k] != 0.0 and not has_disk(e.disks, k):
+            if e.unbalance.moment[k] != 0.0 and not (k < s.disk_rows.shape[0] and is_disk(s.disk_rows[k])):
                 s.refused[0] = k + 1.0
                 return UNBALANCE_LOST
     count = 2  # behind the ends
@@ -113,17 +126,15 @@ def mesh_status(s, p, e):
     if not add_place(p.watched_position, count, s):
         return WATCHED_BEYOND
     count += 1
-    if e.disks is not None:
-        for k in range(e.disks.mass.size):
-            if has_disk(e.disks, k):
-                if not add_place(e.disks.position[k], count, s):
-                    return DISK_BEYOND
-                count += 1
-    if e.linear_supports is not None:
-        for k in range(2):
-            if not add_place(e.linear_supports.position[k], count, s):
-                return SUPPORT_BEYOND
+    for k in range(s.disk_rows.shape[0]):
+        if is_disk(s.disk_rows[k]):
+            if not add_place(s.disk_rows[k, 0], count, s):
+                return DISK_BEYOND
             count += 1
+    for k in range(s.supports.shape[0]):
+        if not add_place(support_place(k, s, e), count, s):
+            return SUPPORT_BEYOND
+        count += 1
     if e.bearing_a is not None:
         if not add_place(e.bearing_a.position, count, s):
             return BEARING_BEYOND
@@ -138,8 +149,18 @@ def mesh_status(s, p, e):
 
 
 @kernel
+def support_place(k, s, e):
+    """Where a support stands, m."""
+    if e.linear_supports is not None:
+        return e.linear_supports.position[k]
+    if s.spans is not None:
+        return s.spans[k, 0]
+    return 0.0
+
+
+@kernel
 def set_matrices(s, p, e):
-    """Bands of shaft, disks and supports, and the places where the shaft is held."""
+    """Bands of shaft and disks, and the places where the shaft is held."""
     nodes = s.nodes[: s.mesh[NODES]]
     N = DOFS * nodes.size
     mass, damping, stiffness, rotary = s.mass[:N], s.damping[:N], s.stiffness[:N], s.now[0, :N]
@@ -151,27 +172,20 @@ def set_matrices(s, p, e):
     if e.internal_damping is not None:
         add_band(e.internal_damping.time_constant, stiffness, damping)
         turn(stiffness, e.internal_damping.time_constant, s.circulatory[:N])
-    if e.disks is not None:
-        disks = e.disks
-        for k in range(disks.mass.size):
-            if has_disk(disks, k):
-                node = nearest_node(nodes, disks.position[k])
-                add_disk(mass, node, disks.mass[k], disks.diametral_inertia[k])
-                if s.gyroscopic is not None:
-                    add_disk_gyroscopic(s.gyroscopic, node, disks.polar_inertia[k])
-                if e.unbalance is not None:
-                    s.imbalance[k, 0], s.imbalance[k, 1] = DOFS * node, e.unbalance.moment[k]
-                    s.imbalance[k, 2] = e.unbalance.phase[k]
+    for k in range(s.disk_rows.shape[0]):
+        disk = s.disk_rows[k]
+        if is_disk(disk):
+            node = nearest_node(nodes, disk[0])
+            add_disk(mass, node, disk[1], disk[3])
+            if s.gyroscopic is not None:
+                add_disk_gyroscopic(s.gyroscopic, node, disk[2])
+            if e.unbalance is not None and k < e.unbalance.moment.size:
+                s.imbalance[k, 0], s.imbalance[k, 1] = DOFS * node, e.unbalance.moment[k]
+                s.imbalance[k, 2] = e.unbalance.phase[k]
+    for k in range(s.supports.shape[0]):
+        s.supports[k, NODE] = DOFS * nearest_node(nodes, support_place(k, s, e))
     if e.linear_supports is not None:
-        held = e.linear_supports
-        for k in range(2):
-            j = DOFS * nearest_node(nodes, held.position[k])
-            stiffness[j, HALF] += held.stiffness_x[k]
-            stiffness[j + 1, HALF] += held.stiffness_y[k]
-            damping[j, HALF] += held.damping_x[k]
-            damping[j + 1, HALF] += held.damping_y[k]
-            s.supports[k, 0], s.supports[k, 2], s.supports[k, 3] = j, held.stiffness_x[k], held.stiffness_y[k]
-            s.supports[k, 4], s.supports[k, 5] = held.damping_x[k], held.damping_y[k]
+        hold_shaft(e.linear_supports, s)
     port = 0
     if e.bearing_a is not None:
         s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (

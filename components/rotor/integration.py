@@ -16,6 +16,7 @@ from .frame import add_frame_load, frame_outputs
 from .model import DOFS, HALF, WIDTH, add_band
 from .ports import add_loads, add_tangents, follow_tangents, port_outputs
 from .spin import acceleration_at, angle_after, speed_at
+from .supports import add_supports, follow_speed
 
 NODES, WATCHED = 0, 1  # of `s.mesh`: number of nodes; first degree of freedom of the watched one
 STEP, SPEED = 0, 1  # of `s.prepared`: step length in s to which `s.fixed` belongs and speed to which `s.now` does; NaN: to none
@@ -36,8 +37,19 @@ def set_step(method, s):
             fixed[STIFFNESS, i, j] = stiffness[i, j]
             fixed[BY_VELOCITY, i, j] = -a_v * mass[i, j] - v_v * damping[i, j]
             fixed[BY_ACCELERATION, i, j] = -a_a * mass[i, j] - v_a * damping[i, j]
+    if s.spans is None:
+        hold(s.supports, c, k, v_v, v_a, fixed)
     s.prepared[STEP], s.prepared[SPEED] = d, math.nan
     s.tangents[:] = 0.0
+
+
+@kernel
+def hold(supports, c, k, v_v, v_a, bands):
+    """Add the supports to A, K, P and R."""
+    add_supports(supports, k, c, bands[SYSTEM])
+    add_supports(supports, 1.0, 0.0, bands[STIFFNESS])
+    add_supports(supports, 0.0, -v_v, bands[BY_VELOCITY])
+    add_supports(supports, 0.0, -v_a, bands[BY_ACCELERATION])
 
 
 @kernel
@@ -112,6 +124,9 @@ def prepare(speed, method, s):
     if s.circulatory is not None:
         add_band(k * speed, s.circulatory[:N], now[SYSTEM])
         add_band(speed, s.circulatory[:N], now[STIFFNESS])
+    if s.spans is not None:
+        follow_speed(speed, s)
+        hold(s.supports, c, k, v_v, v_a, now)
     add_tangents(s.ports, s.tangents, k, c, now[SYSTEM])
     add_tangents(s.ports, s.tangents, 1.0, 0.0, now[STIFFNESS])
     add_tangents(s.ports, s.tangents, 0.0, -v_v, now[BY_VELOCITY])
@@ -162,5 +177,7 @@ def rotor_outputs(t, s, p, e):
     y[4], y[5] = now, x[3 * N]
     port_outputs(s.ports, x[:N], x[N : 2 * N], now, y)
     if e.frame_rotation is not None:
+        if s.spans is not None:
+            follow_speed(now, s)
         frame_outputs(s, e.frame_rotation, x[:N], x[N : 2 * N])
     return DONE

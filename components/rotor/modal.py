@@ -6,10 +6,13 @@ the order x, y, tilt_x, tilt_y. Sources: Friswell, Penny, Garvey & Lees (2010), 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eig, eigvals
+from scipy.optimize import brentq
 
 from .model import DOFS, Matrices
 
@@ -17,6 +20,8 @@ ROUND = 0.05  # of the larger one of an orbit's axes: a smaller axis is a straig
 DOUBLE_ROOT = 10.0 * np.finfo(float).eps ** 0.5  # of the largest eigenvalue: the error that rounding gives a double root at zero
 RIGID = 1e-13  # of the stiffness' diagonal: rigid motions show 1e-16, the softest mode of 150 elements 1e-7
 SAME = 1e-6  # of an eigenvalue: rounding sets a degenerate pair of 150 elements 1e-9 apart, to either side of the real axis, too
+
+AtSpeed = Callable[[float], Matrices]
 
 
 class Modes(NamedTuple):
@@ -54,15 +59,17 @@ def modes(matrices: Matrices, speed: float, count: int | None = None) -> Modes:
     return Modes(values.imag[:count], -values.real[:count], direction[:count], shape[:, :count])
 
 
-def campbell(matrices: Matrices, speeds, count: int) -> tuple[np.ndarray, np.ndarray]:
+def campbell(matrices: Matrices | AtSpeed, speeds, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies, (len(speeds), count) rad/s, and directions of the lowest modes over the speed.
 
-    Where fewer modes oscillate, because others are overdamped, the rest is NaN, without direction.
+    matrices: a function of the speed where the supports follow it.  Where fewer modes oscillate, because others are overdamped,
+    the rest is NaN, without direction.
     """
+    at = matrices if callable(matrices) else lambda speed: matrices
     frequency = np.full((len(speeds), count), np.nan)
     direction = np.zeros((len(speeds), count), dtype=int)
     for k, speed in enumerate(speeds):
-        solution = modes(matrices, speed, count)
+        solution = modes(at(speed), speed, count)
         frequency[k, : solution.frequency.size], direction[k, : solution.frequency.size] = solution.frequency, solution.direction
     return frequency, direction
 
@@ -81,6 +88,26 @@ def critical_speeds(matrices: Matrices, order: float = 1.0) -> np.ndarray:
     meeting = (np.abs(above) > RIGID) & (below != 0.0)
     squares = above[meeting] / below[meeting]
     return np.sort(np.sqrt(squares.real[(squares.real > 0.0) & (np.abs(squares.imag) < 1e-6 * squares.real)]))
+
+
+def critical_speeds_of(at: AtSpeed, speeds: np.ndarray) -> np.ndarray:
+    """Critical speeds of a rotor whose matrices follow the speed, between the first and the last of `speeds`, rad/s, which rise.
+
+    With the supports of a speed held, there are critical speeds: the k-th of them is a function of that speed, and a critical
+    speed of the rotor where the two are one. Searched between neighbouring speeds: two in one interval may be missed.
+    """
+
+    def ahead(speed: float, k: int) -> float:
+        there = critical_speeds(at(speed))
+        return float(there[k] - speed) if k < there.size else float("inf")
+
+    held = [critical_speeds(at(speed)) for speed in speeds]
+    meeting = []
+    for (low, below), (high, above) in pairwise(zip(speeds, held, strict=True)):
+        for k in range(min(below.size, above.size)):
+            if below[k] - low >= 0.0 > above[k] - high or below[k] - low < 0.0 <= above[k] - high:
+                meeting.append(brentq(ahead, low, high, args=(k,), xtol=1e-9, rtol=1e-12))
+    return np.sort(meeting)
 
 
 def _first_order(matrices: Matrices, speed: float) -> np.ndarray:

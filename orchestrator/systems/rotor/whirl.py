@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.rotor.modal import campbell, critical_speeds
+from ....components.rotor.modal import campbell, critical_speeds, critical_speeds_of
 from ...harness.analysis.records import RecordedUnit
 from ...run.figures import after_transient
 from . import RotorKeys
@@ -48,22 +48,29 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
     if rotor is None or not hasattr(rotor, "matrices"):
         return None
     rotor.initialize(0.0)
-    matrices: Matrices = rotor.matrices()
     tangents = {port: _tangent(unit, port) for port in rotor.on if port.startswith("bearing_")}
     if any(t is None for t in tangents.values()):
         return None
-    stiffness = matrices.stiffness.copy()
-    for port, tangent in tangents.items():
-        first = 4 * int(np.abs(rotor.nodes - rotor.parameters[f"{port}.position"]).argmin())
-        stiffness[first : first + 4, first : first + 4] += tangent
-    matrices = matrices._replace(stiffness=stiffness)
+
+    def at(speed: float) -> Matrices:
+        matrices: Matrices = rotor.matrices(speed)
+        stiffness = matrices.stiffness.copy()
+        for port, tangent in tangents.items():
+            first = 4 * int(np.abs(rotor.nodes - rotor.parameters[f"{port}.position"]).argmin())
+            stiffness[first : first + 4, first : first + 4] += tangent
+        return matrices._replace(stiffness=stiffness)
+
     keys = result.scene.analysis_as(RotorKeys)
     highest = keys.campbell_speed or BEYOND * float(np.abs(record.signals["speed"]).max())
     if not highest > 0.0:
         return None
-    speed = np.linspace(0.0, highest, SPEEDS)
-    frequency, direction = campbell(matrices, speed, MODES)
-    critical = np.asarray(keys.critical_speeds, dtype=float) if keys.critical_speeds else critical_speeds(matrices)
+    lowest, last = rotor.speeds_of_supports() if "support_table" in rotor.on else (-np.inf, np.inf)
+    speed = np.linspace(max(lowest, 0.0), min(highest, last), SPEEDS)
+    frequency, direction = campbell(at, speed, MODES)
+    if keys.critical_speeds:
+        critical = np.asarray(keys.critical_speeds, dtype=float)
+    else:
+        critical = critical_speeds_of(at, speed) if "support_table" in rotor.on else critical_speeds(at(highest))
     text = (
         (
             "Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "

@@ -55,7 +55,7 @@ FACTS: dict[str, Facts] = {
             "frame_rotation.rate_x": ({}, 1e-3),
             "frame_rotation.rate_y": ({}, 1e-3),
         },
-        structural=frozenset({"shaft_table", "gyroscopic", "bearing_a", "bearing_b"}),
+        structural=frozenset({"shaft_table", "disk_table", "support_table", "gyroscopic", "bearing_a", "bearing_b"}),
         form=frozenset(
             {
                 "disks.position",
