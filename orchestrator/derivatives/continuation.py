@@ -29,6 +29,7 @@ LONGEST = 0.2  # of a step along a branch, in sizes
 SHORTEST, BISECTIONS = 1e-3, 40  # of the first step along a branch; halvings of a stretch with a bifurcation
 POINTS = 60  # of a branch for each value that was asked for
 APART = (0.02, 0.05, 0.15, 0.005)  # of the sizes: how far from a doubling its branch is sought
+LOOP, NEAR = 10, 1e-3  # points of the shortest loop; of the range: a doubling that a branch has ended at
 MERGED = 1e-3  # of the sizes: halves of a doubled orbit that are one
 
 
@@ -180,25 +181,27 @@ def _reached(branch: Branch, value: float) -> bool:
 def _doubled(shooting: Shooting, branch: Branch, branches: list[Branch], depth: int, values: Sequence[float]) -> None:
     """Add the branches that begin at period doublings of a branch."""
     for mark in branch.marks if depth > 0 else []:
-        if mark.kind != DOUBLING or any(_merges(other, mark, 2 * branch.multiple) for other in branches):
+        near = NEAR * (max(values) - min(values))
+        if mark.kind != DOUBLING or any(_merges(other, mark, 2 * branch.multiple, near) for other in branches):
             continue
         shooting.multiple = 2 * branch.multiple
         follower = _Follower(shooting, branches, values)
         further = follower.from_doubling(mark)
-        if further is not None:
+        if further is not None and len(further.points) > 1:  # one alone has joined another branch at once
             branches.append(further)
             _doubled(shooting, further, branches, depth - 1, values)
         shooting.multiple = branch.multiple
     shooting.multiple = branch.multiple
 
 
-def _merges(branch: Branch, mark: Mark, multiple: int) -> bool:
-    """Whether a branch of such a multiple ends at a doubling already."""
-    return branch.multiple == multiple and any(
-        abs(branch.points[k].value - mark.orbit.value) < SAME * max(abs(mark.orbit.value), 1e-12)
-        and "merges" in " ".join(branch.ends)
-        for k in (0, -1)
-    )
+def _merges(branch: Branch, mark: Mark, multiple: int, near: float) -> bool:
+    """Whether a branch of such a multiple ends at a doubling already, or as near to it."""
+    ends = abs(branch.points[-1].value - mark.orbit.value) < near
+    return branch.multiple == multiple and branch.ends[-1].startswith("merges") and ends
+
+
+def _turned_round(before: np.ndarray, behind: np.ndarray) -> bool:
+    return bool(before @ behind < -0.9 * np.linalg.norm(before) * np.linalg.norm(behind))
 
 
 class _Follower:
@@ -211,14 +214,15 @@ class _Follower:
 
     def _joined(self, unknown: np.ndarray, multiple: int) -> bool:
         """Whether an orbit is on a branch that is known already."""
-        states = slice(0, int(self.shooting.kept.sum()))
-        for branch in self.known:
-            for a, b in pairwise(branch.points) if branch.multiple == multiple else ():
-                if min(a.value, b.value) <= unknown[-1] <= max(a.value, b.value) and a.value != b.value:
-                    between = a.unknown + (unknown[-1] - a.value) / (b.value - a.value) * (b.unknown - a.unknown)
-                    if np.abs((unknown - between) / self.size)[states].max() < SAME:
-                        return True
-        return False
+        pairs = (pair for branch in self.known if branch.multiple == multiple for pair in pairwise(branch.points))
+        return any(self._between(a, b, unknown) for a, b in pairs)
+
+    def _between(self, a: Orbit, b: Orbit, unknown: np.ndarray) -> bool:
+        """Whether an orbit is all but on the straight line between two others."""
+        if not min(a.value, b.value) <= unknown[-1] <= max(a.value, b.value) or a.value == b.value:
+            return False
+        between = a.unknown + (unknown[-1] - a.value) / (b.value - a.value) * (b.unknown - a.unknown)
+        return bool(np.abs((unknown - between) / self.size)[: int(self.shooting.kept.sum())].max() < SAME)
 
     def _size(self, orbit: Orbit) -> np.ndarray:
         shooting = self.shooting
@@ -239,7 +243,7 @@ class _Follower:
         branch = Branch(self.shooting.multiple, [first])
         way = self._tangent(unknown, None, 1.0 if forward else -1.0)
         onwards = self._follow(branch, first, way)
-        if self.low < first.value < self.high:
+        if self.low < first.value < self.high and branch.points[-1] is not first:
             back = Branch(branch.multiple, [first])
             onwards = [*self._follow(back, first, -way), *onwards]
             branch.points[:0] = back.points[:0:-1]
@@ -264,7 +268,7 @@ class _Follower:
         direction /= np.linalg.norm(direction)
         for length in APART:
             near = self._correct(at + length * direction * self.size, direction)
-            if near is not None and self._apart(near) > MERGED:
+            if near is not None and np.linalg.norm(self._apart(near)) > MERGED:
                 first = shooting.orbit(near)
                 branch = Branch(shooting.multiple, [first])
                 way = self._tangent(near, direction, 0.0)
@@ -282,13 +286,13 @@ class _Follower:
         values, vectors = np.linalg.eig(shooting.derivative)
         return np.real(vectors[:, np.argmin(np.abs(values - value))])
 
-    def _apart(self, unknown: np.ndarray) -> float:
-        """How far the two halves of a doubled orbit are apart, in sizes."""
+    def _apart(self, unknown: np.ndarray) -> np.ndarray:
+        """From the first half of a doubled orbit to the second, in sizes."""
         shooting = self.shooting
         z, period, p = shooting.split(unknown)
         shooting.map.begin(p, period / shooting.steps, shooting.steps)
         half = np.where(shooting.angles, z, shooting.map.run(z, shooting.steps // 2))
-        return float(np.linalg.norm((half - z)[shooting.kept] / self.size[: shooting.kept.sum()]))
+        return np.asarray((half - z)[shooting.kept] / self.size[: shooting.kept.sum()])
 
     def _equations(self, unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return self.shooting.equations(unknown)
@@ -327,8 +331,10 @@ class _Follower:
 
     def _follow(self, branch: Branch, point: Orbit, way: np.ndarray) -> list[str]:
         """Add points to a branch until it leaves the range; why it ends."""
-        length, shortest = self.first, SHORTEST * self.first
-        for _ in range(self.most):
+        length, shortest, first, begun = self.first, SHORTEST * self.first, point, way
+        doubled = self.shooting.multiple > self.shooting.forcing.multiple
+        apart = self._apart(point.unknown) if doubled else np.zeros(0)
+        for done in range(self.most):
             unknown = self._predicted(point.unknown, way, length)
             if unknown is None:
                 length *= 0.5
@@ -336,8 +342,20 @@ class _Follower:
                     return [f"no orbit next to {point.value:g}"]
                 continue
             ahead = self.shooting.orbit(unknown)
+            if doubled:
+                before_apart, apart = apart, self._apart(unknown)
+                small = np.linalg.norm(apart) < 5.0 * MERGED
+                if not small and _turned_round(before_apart, apart) and length > shortest:  # beyond it halves are exchanged
+                    length, apart = max(0.5 * length, shortest), before_apart
+                    continue
+                if small or _turned_round(before_apart, apart):
+                    branch.points.append(ahead)
+                    return [f"merges with the branch of half its period at {ahead.value:g}"]
             if ahead.refused:
                 return [f"at {ahead.value:g} {ahead.refused}"]
+            if done > LOOP and way @ begun > 0.0 and self._between(point, ahead, first.unknown):
+                branch.points.append(first)
+                return [f"closes at {first.value:g}"]
             if self._joined(unknown, branch.multiple):
                 return [f"joins a branch at {ahead.value:g}"]
             if _beyond(ahead) != _beyond(point):
@@ -349,12 +367,12 @@ class _Follower:
                 if last is not None:
                     branch.points.append(self.shooting.orbit(last))
                 return [f"the range ends at {bound:g}"]
-            before, self.size = self.size, np.maximum(self.size, np.abs(unknown))
+            before, states = self.size, slice(0, int(self.shooting.kept.sum()))
+            self.size = before.copy()
+            self.size[states] = np.maximum(before, np.abs(unknown))[states]
             turned, way = self._tangent(unknown, way * before / self.size, 0.0), way * before / self.size
             way /= np.linalg.norm(way)
             branch.points.append(ahead)
-            if self.shooting.multiple > self.shooting.forcing.multiple and self._apart(unknown) < MERGED * 5.0:
-                return [f"merges with the branch of half its period at {ahead.value:g}"]
             if self.corrections <= 3 and turned @ way > 0.97:
                 length = min(1.5 * length, LONGEST)
             elif turned @ way < 0.8:

@@ -136,13 +136,8 @@ class Shooting:
             self.angles[self.turning] = True
         self.kept = acts.any(axis=0) | (np.arange(n) == (-1 if self.turning is None else self.turning))
         self.unknown_period = not (self.forcing.period or self.forcing.frequency)
-        self.across = np.eye(int(self.kept.sum()))
-        for _ in range(3):  # a velocity of all bodies moves on what stands for them
-            rows = np.vstack([self.across @ m[np.ix_(self.kept, self.kept)] @ self.across for m in matrices])
-            size = np.maximum(np.abs(rows).max(axis=1, keepdims=True), ACTS)
-            _, values, vectors = np.linalg.svd(np.vstack([rows / size, np.eye(len(self.across)) - self.across]))
-            shifts = vectors[int((values > SHIFT).sum()) :]
-            self.across = self.across - shifts.T @ shifts
+        shifts = _shifts(np.vstack([m[np.ix_(self.kept, self.kept)] for m in matrices]))
+        self.across = np.eye(len(shifts)) - shifts @ shifts.T
         self.normal: np.ndarray | None = None
 
     def refresh(self, z: np.ndarray) -> bool:
@@ -345,3 +340,15 @@ class Shooting:
     def _rows_on(self) -> np.ndarray:
         parts = [values[:, self._shown] for values, _ in self.map.block.rows(self.steps)]
         return np.roll(np.concatenate(parts), 1, axis=0)
+
+
+def _shifts(rows: np.ndarray) -> np.ndarray:
+    """Directions that rows (m, n) take to nothing, (n, k) with orthogonal columns, whatever the units of rows and columns are."""
+    rows = rows[np.abs(rows).max(axis=1) > ACTS]
+    scale = np.ones(rows.shape[1])
+    for _ in range(3):
+        rows = rows / np.abs(rows).max(axis=1, keepdims=True)
+        size = np.maximum(np.abs(rows).max(axis=0, initial=0.0), ACTS)
+        rows, scale = rows / size, scale / size
+    _, values, vectors = np.linalg.svd(rows)
+    return np.linalg.qr(scale[:, None] * vectors[int((values > SHIFT).sum()) :].T)[0]
