@@ -35,7 +35,7 @@ def wanted_by(scene: Scene, units: Mapping[str, Simulator], master: Master | Non
     by_layout = dict[Any, list[Wanted]]()
     for name, kind in scene.kinds.items():
         if kind.component_class is not None and not kind.in_worker:
-            component = getattr(units.get(name), "component", None) or make(name, scene.units[name])
+            component = (units[name].component if name in units else None) or make(name, scene.units[name])
             if isinstance(component, KernelComponent) and (key := component.layout_of_block) not in by_layout:
                 by_layout[key] = component.wanted()
     return [*chain(*by_layout.values()), *(master.records.wanted() if master is not None else ())]

@@ -29,7 +29,6 @@ from ..scene.scene import Scene
 from ..scene.shorter_steps import MadeRun, asked_for, note_runs
 from ..settings.study import wanted
 from ..settings.units import without_home
-from ..units.component import ComponentSimulator
 from ..units.discarded import warnings_of as of_discarded
 from ..units.fmu_messages import DEFAULT, described, level_of, warnings_of
 from ..units.interface import SimulationEnded
@@ -165,9 +164,7 @@ class Run:
         if self._stop is None:
             compile_ahead(wanted_by(scene, self.units, self.master), self.progress)
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
-        self._own = [
-            u for n, kind in scene.kinds.items() if isinstance(u := self.units[n], ComponentSimulator) and not kind.of_catalogue
-        ]
+        self._own = [u for n, kind in scene.kinds.items() if (u := self.units[n]).component is not None and not kind.of_catalogue]
         # warnings of components, in FMUs too: they share this interpreter
         self._caught_warnings = []
         if self._stop is None:
@@ -324,7 +321,7 @@ class Run:
         except OutputFailed as error:
             self.outcome, self.message = "failed", str(error)
         info = describe_run(self.scene, coupling, self.units, self.master, self.outcome, self.message)
-        logs = {name: unit.log_messages() for name, unit in self.units.items() if hasattr(unit, "log_messages")}
+        logs = {name: unit.log_messages() for name, unit in self.units.items()}
         info = replace(
             info,
             warnings=(*self._warnings(), *of_discarded(info.counters.units), *warnings_of(logs)),

@@ -111,9 +111,7 @@ def describe_run(
         outcome=outcome,
         message=message,
         units={
-            n: UnitRecord(
-                kind=unit.kind, title=interfaces[n].title, parameters=unit.parameters(), walls=tuple(getattr(unit, "walls", ()))
-            )
+            n: UnitRecord(kind=unit.kind, title=interfaces[n].title, parameters=unit.parameters(), walls=tuple(unit.walls))
             for n, unit in units.items()
         },
         effects={

@@ -12,6 +12,17 @@ from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive, Time, Tolerances
 
 TABLE_KEYS = ("interpolation", "outside", "start")  # of a table of signals: parameters, which are written as keys of the unit
+KINDS = {
+    "component": "a component",
+    "fmu": "an FMU given by its path",
+    "signals": "a table of signals",
+}  # by the key that says so
+OF_KINDS = {  # other keys that have an effect for some of them only, and for which
+    **dict.fromkeys(TABLE_KEYS, ("signals",)),
+    "preset": ("component",),
+    **dict.fromkeys(("effects", "every", "isolation", "time_limit"), ("component", "fmu")),
+    **dict.fromkeys(("interface", "solver", "tolerance"), ("fmu",)),
+}
 
 
 def without_home(text: str) -> str:
@@ -94,26 +105,21 @@ class UnitSettings(Model):
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
         component = "" if self.signals else self.component  # that of a table is made when the scene is read
-        given = [key for key, value in (("component", component), ("fmu", self.fmu), ("signals", self.signals)) if value]
+        given = [k for k, value in zip(KINDS, (component, self.fmu, self.signals), strict=True) if value]
         if len(given) != 1:
             actual = f"both {' and '.join(given)}" if given else "neither component nor fmu nor signals"
             remedy = 'Write component = "Name", fmu = "path/to/file.fmu" or signals = "path/to/table.csv".'
             raise BadInput("", actual, "one of them", remedy)
-        for key in TABLE_KEYS:
-            if not self.signals and getattr(self, key) is not None:
-                raise BadInput(key, "no effect for a unit without signals", "", "Remove it.")
-        for key in ("preset", "effects", "every", "isolation", "time_limit"):
-            if self.signals and getattr(self, key) != type(self).model_fields[key].default:
-                raise BadInput(key, "no effect for signals", "", "Remove it.")
-        if self.fmu and self.preset:
-            raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
+        (kind,) = given
+        for key, kinds in OF_KINDS.items():
+            if kind not in kinds and getattr(self, key) != type(self).model_fields[key].default:
+                known = " or ".join(KINDS[k] for k in kinds)
+                remedy = "Give its parameters instead." if (key, kind) == ("preset", "fmu") else "Remove it."
+                raise BadInput(key, f"no effect for {KINDS[kind]}, only for {known}", "", remedy)
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):
             raise BadInput(
                 "isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class", 'Write "process".'
             )
-        for key in ("interface", "solver", "tolerance"):
-            if self.component and getattr(self, key) is not None:
-                raise BadInput(key, "no effect for a component", "", "Remove it.")
         return self
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from ...components.core.kernels import DONE, RAISED
 from . import environment
 from .call_names import COMPANIONS, DERIVATIVES, FUNCTIONS, HELD, IN_PYTHON, MEAN, OF_FMU
 from .description import Scalar, has_companions
-from .interface import PortValues, Simulator, port_values
+from .interface import CallTable, PortValues, Simulator, port_values
 from .values import Block, blocks
 
 
@@ -45,19 +44,6 @@ class Callback:
             raise error
 
 
-@dataclass(frozen=True)
-class CallTable:
-    """Addresses by name; where the driven inputs and the read outputs of a component lie; which inputs of an FMU are held."""
-
-    calls: Mapping[str, int]
-    input_mode: int
-    alive: tuple[Any, ...]  # the memory that addresses point to
-    inputs_at: tuple[int, ...]
-    outputs_at: tuple[int, ...]
-    set_on_change: tuple[bool, ...]
-    in_python: bool = False  # whether a step goes through it
-
-
 class Held(NamedTuple):
     """Driven inputs of an FMU that change at instants only."""
 
@@ -66,7 +52,8 @@ class Held(NamedTuple):
     hand_over: Callback  # to be called where these have changed
 
 
-def call_table(
+def fmu_table(
+    stopped: Callable[[int, float, float], None],
     library: Any,
     instance: int,
     inputs: Sequence[str],
@@ -111,6 +98,7 @@ def call_table(
     )
     input_mode = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
     return CallTable(
+        stopped,
         dict(zip(OF_FMU, calls, strict=True)),
         input_mode if moving else HELD,
         (into, out_of, orders, parts, held),
@@ -139,44 +127,29 @@ def polynomials(links: np.ndarray) -> tuple[PortValues, PortValues | None, PortV
     return (*(port_values(links[name]) for name in rows), None, None)[:3]
 
 
-class PythonCalls:
-    """Entries of a unit whose calls are Python's: an FMU of FMI 3.0, for model exchange or in a worker process, a contact.
+def python_table(unit: Simulator, links: np.ndarray, outputs: np.ndarray) -> CallTable:
+    """Of a unit whose calls are Python's: an FMU of FMI 3.0, for model exchange or in a worker process, a contact.
 
-    The step of a unit in a process of its own begins in `step` and is waited for in `read`.
+    The step of a unit in a process of its own begins in `step` and is waited for in `read`. links: the records of its inputs; outputs:
+    its part of the table of signals.
     """
 
-    def __init__(self, unit: Simulator, links: np.ndarray, outputs: np.ndarray):
-        """links: the records of its inputs; outputs: its part of the table of signals."""
+    def step(t: float, h: float) -> None:
+        if links.size:
+            unit.drive(*polynomials(links), h)
+        unit.step(t, h)
 
-        def step(t: float, h: float) -> None:
-            if links.size:
-                unit.drive(*polynomials(links), h)
-            unit.step(t, h)
+    def update(t: float, h: float) -> None:
+        unit.update(port_values(links["known"]))
 
-        def update(t: float, h: float) -> None:
-            unit.update(port_values(links["known"]))
+    def read(t: float, h: float) -> None:
+        outputs[:] = unit.get()
 
-        def read(t: float, h: float) -> None:
-            outputs[:] = unit.get()
+    callbacks = {"step": Callback(step), "outputs": Callback(update), "read": Callback(read)}
 
-        self._callbacks = {"step": Callback(step), "outputs": Callback(update), "read": Callback(read)}
-        self._n, self._m = links.size, outputs.size
-
-    def call_table(self) -> CallTable:
-        """For the master."""
-        calls = {name: callback.function for name, callback in self._callbacks.items()}
-        return CallTable(calls, IN_PYTHON, (self,), (0,) * self._n, (0,) * self._m, (False,) * self._n, True)
-
-    def stopped(self, status: int, t: float, h: float) -> None:
-        """A callback has failed; raises what it has raised."""
-        for callback in self._callbacks.values():
+    def stopped(status: int, t: float, h: float) -> None:
+        for callback in callbacks.values():
             callback.raise_error()
 
-
-def calls_of(unit: Any, links: np.ndarray, outputs: np.ndarray) -> tuple[Any, CallTable]:
-    """What has `stopped` of a unit, and may have `stepped`, and its call table; links, outputs: as of `PythonCalls`."""
-    table = unit.call_table() if hasattr(unit, "call_table") else None
-    if table is not None:
-        return unit, table
-    python = PythonCalls(unit, links, outputs)
-    return python, python.call_table()
+    n, m, calls = links.size, outputs.size, {name: callback.function for name, callback in callbacks.items()}
+    return CallTable(stopped, calls, IN_PYTHON, (callbacks,), (0,) * n, (0,) * m, (False,) * n, in_python=True)

@@ -14,8 +14,8 @@ from ...components.core.errors import StepFailed
 from ...components.core.kernels import COMPILED
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
-from .call_table import Callback, CallTable
-from .interface import ARRAY_THRESHOLD, PlainSimulator, PortValues
+from .call_table import Callback
+from .interface import ARRAY_THRESHOLD, CallTable, PortValues, Simulator
 
 
 def make(name: str, settings: UnitSettings) -> Component:
@@ -45,12 +45,11 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
-class ComponentSimulator(PlainSimulator):
+class ComponentSimulator(Simulator):
     """A component as a unit; inputs and outputs are views of the component's own arrays. It has no events and no texts."""
 
     kind = "in process"
     component: Component
-    written: list[np.ndarray] | None = None  # all arrays that compiled steps write; None where Python is in a step or a state
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component
@@ -74,11 +73,9 @@ class ComponentSimulator(PlainSimulator):
         self.addresses = _addresses(u[0], self.component.input_positions(inputs)), self.outputs_at(outputs)
 
     def outputs_at(self, names: Sequence[str]) -> tuple[int, ...]:
-        """Addresses of outputs."""
         return _addresses(self.component.y, self.component.output_positions(names))
 
     def call_table(self) -> CallTable:
-        """For steps of the initialized component."""
         c = self.component
         self._callbacks: tuple[Callback, ...] = ()
         self.written = None
@@ -96,15 +93,10 @@ class ComponentSimulator(PlainSimulator):
             alive = self._callbacks = Callback(refresh), Callback(c.step)
             outputs, step, argument = *(callback.function for callback in self._callbacks), 0
         calls = {"step": step, "outputs": outputs, "argument": argument, "row": c.u.strides[0]}
-        return CallTable(calls, IN_MEMORY, alive, *self.addresses, (False,) * len(self.addresses[0]), bool(self._callbacks))
+        set_on_change, in_python = (False,) * len(self.addresses[0]), bool(self._callbacks)
+        return CallTable(self._stopped, calls, IN_MEMORY, alive, *self.addresses, set_on_change, in_python, c.stepped)
 
-    @property
-    def stepped(self) -> Callable[[float], None]:
-        """To be called with the time, s, to which compiled code has taken steps of this unit."""
-        return self.component.stepped
-
-    def stopped(self, status: int, t: float, h: float) -> None:
-        """The step from t over h, s, has ended with this status; raises the reason."""
+    def _stopped(self, status: int, t: float, h: float) -> None:
         for callback in self._callbacks:
             callback.raise_error()
         self.component._check(status // FAILED)
@@ -146,7 +138,6 @@ class ComponentSimulator(PlainSimulator):
         self.component.restore(state)
 
     def check_step_repeatable(self, h: float) -> None:
-        """Raises `StepFailed` where a step from here is another one when it is repeated; leaves the component as it is."""
         component = self.component
         state, counts, reached = component.save(), component.counts.copy(), []
         try:

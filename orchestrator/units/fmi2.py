@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import isnan, nan, ulp
 from time import sleep
 from typing import Any
@@ -22,11 +23,11 @@ from fmpy.logging import addLoggerProxy
 
 from . import environment
 from .call_names import OF_STEP
-from .call_table import Callback, CallTable, Held, call_table
+from .call_table import Callback, Held, fmu_table
 from .discarded import ShorterSteps
 from .fmu_simulator import DISCARD, NEAR, FmuSimulator
 from .inputs import WARNING
-from .interface import PortValues, SimulationEnded
+from .interface import CallTable, PortValues, SimulationEnded
 from .states import FmuState
 
 PENDING = 5
@@ -67,7 +68,7 @@ class Fmi2Simulator(FmuSimulator):
 
 
 class Fmi2CoSimulation(Fmi2Simulator):
-    """An FMU of FMI 2.0 for co-simulation. `driven`: its inputs over the step that compiled code has begun, as of `drive`."""
+    """An FMU of FMI 2.0 for co-simulation, which compiled code steps: a `SteppedFmu`."""
 
     fmpy_class = FMU2Slave
     driven: Callable[[], Sequence[PortValues | None]]
@@ -86,14 +87,14 @@ class Fmi2CoSimulation(Fmi2Simulator):
             self._forget = int(self._states.none)
 
     def call_table(self) -> CallTable | None:
-        """For compiled steps; None where they need Python."""
         interface = self._interface()
         if interface.canRunAsynchronuously:
             return None
         self.hold_anew()
         self._hand_over_held = Callback(self._hand_over_values)
         held = Held(self._rows[2], self._held_values, self._hand_over_held)
-        return call_table(
+        table = fmu_table(
+            self._stopped,
             self._fmu.dll,
             self._fmu.component,
             self._input_names,
@@ -104,6 +105,7 @@ class Fmi2CoSimulation(Fmi2Simulator):
             0 if self._before is None else self._before.place,
             not self.description.holds_component,
         )
+        return table and replace(table, stepped=self._stepped, fmu=self)
 
     def _hand_over_values(self, t: float, _: float) -> None:
         """Compiled code has changed `_held_values`; the last step was from t."""
@@ -119,23 +121,19 @@ class Fmi2CoSimulation(Fmi2Simulator):
         self._held_values[:] = nan if self._last_held is None else self._last_held
 
     def begin_steps(self) -> bool:
-        """Compiled steps begin: whether none will be taken back; raises `SimulationEnded` where the FMU has ended it."""
         if self._ended is not None:
             raise SimulationEnded(self.name, self._ended)
         return self._states.none
 
-    def stepped(self, t: float) -> None:
-        """Compiled code has taken steps of this unit, the last one from t."""
+    def _stepped(self, t: float) -> None:
         self._time = t
 
-    def counted(self, steps: int, warnings: int) -> None:
-        """Compiled code has taken so many steps of it, and so many calls have ended with a warning."""
+    def count(self, steps: int, warnings: int) -> None:
         self._steps += steps
         if warnings:
             self.messages.warned(warnings)
 
-    def stopped(self, status: int, t: float, h: float) -> None:
-        """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""
+    def _stopped(self, status: int, t: float, h: float) -> None:
         self._hand_over_held.raise_error()
         if status < OF_STEP:
             self._check(status)

@@ -25,7 +25,7 @@ from .discarded import ShorterSteps
 from .fmu_messages import Messages
 from .folders import give, take
 from .inputs import WARNING, Functions, Others, Reals, means
-from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Span
+from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Simulator, Span
 from .outputs import derivatives, reader
 from .states import FmuState, States
 from .values import Block, blocks, decoded, same
@@ -50,7 +50,7 @@ class DiscreteStates(NamedTuple):
     next_event: float
 
 
-class FmuSimulator:
+class FmuSimulator(Simulator):
     """An FMU that is extracted, instantiated and has its parameters; see `Simulator` for the order of calls.
 
     A version of FMI gives `prefix`, `truth_value`, `_callbacks`, `_set_up` and `_enter_initialization`, an interface of it
@@ -62,10 +62,7 @@ class FmuSimulator:
     truth_value: Any = ctypes.c_int
     fmpy_class: Any
     _update_states: Callable[[], DiscreteStates]  # in event mode: one iteration of the discrete states
-    step: Callable[[float, float], None]
     _sizes: Callable[[], tuple[int, int]]  # numbers of continuous states and of event indicators
-    event: float | None = None
-    component = kernels = None  # its arrays lie elsewhere
     time_of_step: Callable[[], float] | None = None  # s, where compiled code takes the steps
     next_event = float("inf")  # s, where the FMU asks for an event
     _parts: ShorterSteps  # of an FMU for co-simulation, from `wire` on

@@ -1,7 +1,8 @@
-"""What the master knows of a unit: the protocol of its calls, and its capabilities as data."""
+"""What the master knows of a unit: the order of its calls, what it may offer, and its capabilities as data."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
@@ -10,6 +11,7 @@ import numpy as np
 
 from ...components.core.errors import StepFailed
 from ...components.core.measure import Unit as Measure
+from .fmu_messages import Messages
 from .terminals import Terminals
 
 if TYPE_CHECKING:
@@ -105,8 +107,41 @@ class SimulationEnded(StepFailed):
         return f"{self.unit} ended the simulation at t = {self.time:.9g} s"
 
 
-class Simulator(Protocol):
-    """One simulated part. Calls come in this order:
+class SteppedFmu(Protocol):
+    """An FMU whose functions compiled code calls. The machine of a master sets the first two, and calls the others."""
+
+    driven: Callable[[], Sequence[PortValues | None]]  # its inputs over the step that compiled code has begun, as of `drive`
+    time_of_step: Callable[[], float] | None  # s, where this step began
+
+    def begin_steps(self) -> bool:
+        """Compiled steps begin: whether none will be taken back; raises `SimulationEnded` where the FMU has ended it."""
+
+    def count(self, steps: int, warnings: int) -> None:
+        """Compiled code has taken so many steps of it, and so many calls have ended with a warning."""
+
+
+@dataclass(frozen=True)
+class CallTable:
+    """Addresses by name; where the driven inputs and the read outputs of a component lie; which inputs of an FMU are held.
+
+    stopped: the step from t over h, s, has ended with this status: raises the reason, unless it is done all the same.  stepped: to be
+    called with the time, s, to which steps were taken (of an FMU: from which the last one was); None: the unit knows.
+    """
+
+    stopped: Callable[[int, float, float], None]
+    calls: Mapping[str, int]
+    input_mode: int
+    alive: tuple[Any, ...]  # the memory that addresses point to
+    inputs_at: tuple[int, ...]
+    outputs_at: tuple[int, ...]
+    set_on_change: tuple[bool, ...]
+    in_python: bool = False  # whether a step goes through it
+    stepped: Callable[[float], None] | None = None
+    fmu: SteppedFmu | None = None
+
+
+class Simulator(ABC):
+    """One simulated part: a component, an FMU, a worker process, a contact. Calls come in this order:
 
     1. `wire` once: which inputs are driven and which outputs are read in every step; `wire_texts` where texts are driven
     2. `initialize`, repeated while the inputs still change, with `get` after each; then `start` once
@@ -121,111 +156,109 @@ class Simulator(Protocol):
     `values` and what `get` returns are in the order of the names given to `wire`: plain lists, for the few scalars of a usual
     connection faster than arrays, and arrays where there are more than ARRAY_THRESHOLD of them; what `get` returns may be
     overwritten by the next call.
+
+    What a unit may offer beyond these calls stands below them with the answer of a unit that has none of it, and who asks. Whoever
+    has a unit asks these, and never looks for an attribute or a class.
     """
 
     name: str
     kind: str  # "in process", "FMU", ...
-    event: float | None  # s, the first event inside the last step, which the unit has dealt with; asked for after `get`
 
-    @property
-    def component(self) -> Component | None:
-        """The component whose arrays lie in this process; None where there are none."""
+    # -- what every unit does -----------------------------------------------------------------------------------------
+    drive: Callable[[PortValues, PortValues | None, PortValues | None, float], None]
+    # inputs over the coming step of length h: values + slopes s + quadratic s²; None for no such term
+    step: Callable[[float, float], None]  # from t to t + h
+    update: Callable[[PortValues], None]  # the inputs have these values now; outputs that depend on them directly follow
+    get: Callable[[], PortValues]  # present values of the outputs given to `wire`
 
-    @property
-    def kernels(self) -> KernelComponent | None:
-        """The same, where its steps are kernels."""
-
+    @abstractmethod
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         """Fix the names of the driven inputs and of the outputs that `get` returns."""
 
-    def wire_texts(self, inputs: Sequence[str]) -> None:
-        """Fix the names of the texts of `set_texts`; called only where there are some."""
-
-    def set_texts(self, values: Sequence[str]) -> None:
-        """Texts of the driven inputs from now on."""
-
-    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        """A function that gives the present texts of some outputs."""
-
+    @abstractmethod
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """A function that gives the present values of some outputs."""
 
+    @abstractmethod
     def initialize(self, t: float, values: PortValues) -> None:
         """Find the initial state for these inputs."""
+
+    @abstractmethod
+    def save(self, reuse: Any = None) -> Any:
+        """Everything a repeated step depends on; `reuse`: an older state that may be overwritten."""
+
+    @abstractmethod
+    def restore(self, state: Any) -> None:
+        """Take back a state of `save`."""
+
+    @abstractmethod
+    def pack(self, state: Any) -> bytes:
+        """A state of `save` as bytes for a file."""
+
+    @abstractmethod
+    def unpack(self, packed: bytes) -> Any:
+        """The state of `pack`, for `restore` of a unit with the same parameters, in this process or another."""
+
+    @abstractmethod
+    def parameters(self) -> dict[str, Any]:
+        """Values the run was made with, by name."""
+
+    @abstractmethod
+    def work(self) -> Mapping[str, float]:
+        """Counters of the unit by name."""
+
+    # -- what a unit may do, where its interface says so ----------------------------------------------------------------
+    def put(self, name: str, value: float | str) -> None:
+        """An input that is not among the driven ones has this value from now on, before `initialize` or between two steps."""
+        raise NotImplementedError
+
+    def wire_texts(self, inputs: Sequence[str]) -> None:
+        """Fix the names of the texts of `set_texts`; called only where there are some."""
+        raise NotImplementedError
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        """Texts of the driven inputs from now on."""
+        raise NotImplementedError
+
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
+        """A function that gives the present texts of some outputs."""
+        raise NotImplementedError
+
+    def jacobian(self) -> np.ndarray:
+        """Derivatives of the outputs of `get` with respect to the driven inputs at this instant, (outputs, inputs), where
+        `Interface.gives_jacobian` says so."""
+        raise NotImplementedError
+
+    # -- what a unit may have, and its absence ----------------------------------------------------------------------------
+    event: float | None = None  # s, the first event inside the last step, which it has dealt with; the stepping asks after `get`
+    component: Component | None = None  # whose arrays lie in this process; for derivatives, sessions, states of a batch
+    kernels: KernelComponent | None = None  # the same, where its steps are kernels; for runs in threads and FMUs of scenes
+    written: Sequence[np.ndarray] | None = None  # all arrays that compiled steps write, for batches that are taken back
+    walls: Sequence[str] = ()  # around its process; for the record of a run
+
+    def call_table(self) -> CallTable | None:
+        """How compiled code steps the initialized unit, for the machine of a master; None: through the calls above."""
+        return None
+
+    def outputs_at(self, names: Sequence[str]) -> Sequence[int] | None:
+        """Addresses of outputs, for recorders of batches; None: its outputs lie elsewhere."""
+        return None
 
     def start(self) -> None:
         """The initial state stands."""
 
-    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
-        """Inputs over the coming step of length h: values + slopes s + quadratic s²; None for no such term."""
+    def restart(self) -> None:
+        """An input has jumped, so that its past tells nothing: for what extrapolates by itself."""
 
-    def step(self, t: float, h: float) -> None:
-        """Advance from t to t + h."""
+    def check_step_repeatable(self, h: float) -> None:
+        """Raises `StepFailed` where a step from here is another one when it is repeated; the first step of a run asks."""
 
-    def update(self, values: PortValues) -> None:
-        """The inputs have these values now; outputs that depend on them directly follow."""
-
-    def put(self, name: str, value: float | str) -> None:
-        """An input that is not among the driven ones has this value from now on, before `initialize` or between two steps."""
-
-    def get(self) -> PortValues:
-        """Present values of the outputs given to `wire`."""
-
-    def save(self, reuse: Any = None) -> Any:
-        """Everything a repeated step depends on; `reuse`: an older state that may be overwritten."""
-
-    def restore(self, state: Any) -> None:
-        """Take back a state of `save`."""
+    def log_messages(self) -> Messages:
+        """What an FMU has said so far, for the warnings of a run."""
+        return Messages()
 
     def release(self, state: Any) -> None:
         """A state of `save` that will not be needed any more."""
 
-    def pack(self, state: Any) -> bytes:
-        """A state of `save` as bytes for a file."""
-
-    def unpack(self, packed: bytes) -> Any:
-        """The state of `pack`, for `restore` of a unit with the same parameters, in this process or another."""
-
-    def jacobian(self) -> np.ndarray:
-        """Derivatives of the outputs of `get` with respect to the driven inputs at this instant, (outputs, inputs)."""
-
-    def parameters(self) -> dict[str, Any]:
-        """Values the run was made with, by name."""
-
-    def work(self) -> Mapping[str, float]:
-        """Counters of the unit by name."""
-
     def close(self) -> None:
         """Give back what the unit holds outside this object."""
-
-
-class PlainSimulator:
-    """Base of simulators in this process without texts and Jacobian, whose states are plain values that Python frees."""
-
-    event: float | None = None
-    component: Component | None = None
-    kernels: KernelComponent | None = None
-
-    def put(self, name: str, value: float | str) -> None:
-        raise NotImplementedError  # all inputs are driven
-
-    def wire_texts(self, inputs: Sequence[str]) -> None:
-        raise NotImplementedError
-
-    def set_texts(self, values: Sequence[str]) -> None:
-        raise NotImplementedError
-
-    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        raise NotImplementedError
-
-    def start(self) -> None:
-        """The unit stands at its initial state already."""
-
-    def release(self, state: Any) -> None:
-        """Python frees the state."""
-
-    def jacobian(self) -> np.ndarray:
-        raise NotImplementedError  # `Interface.gives_jacobian` says so
-
-    def close(self) -> None:
-        """Nothing is held outside this object."""

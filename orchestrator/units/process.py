@@ -38,7 +38,7 @@ from .answers import (
 from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packer, unpacker
 from .fmu_messages import Messages
 from .folders import process_folder
-from .interface import PortValues, Span
+from .interface import PortValues, Simulator, Span
 from .sandbox import ANSWER, environment, sandboxed, walls
 
 if TYPE_CHECKING:
@@ -79,15 +79,12 @@ def _numbers(n: int) -> Expected:
     return Expected(Code.NUMBERS, size, read)
 
 
-class WorkerSimulator:
+class WorkerSimulator(Simulator):
     """Stands for a unit that runs in a worker process; see `Simulator` for the order of calls.
 
     The process starts at once and is not waited for, so several of them start at the same time; what is wrong with the unit
     shows in `wire`.
     """
-
-    event: float | None = None
-    component = kernels = None  # its arrays lie elsewhere
 
     def __init__(self, name: str, kind: UnitKind, *, in_process: bool, native: NativeFmu | None = None, span: Span):
         self.name = name
@@ -101,7 +98,6 @@ class WorkerSimulator:
         self._stale = True  # the outputs that were handed over last hold no more
         self._values: PortValues = []
         self._readers, self._text_readers = 0, 0
-        self.walls: list[str] = []  # around it once it has started
         self._restricted = kind.sandboxed
         self._limit = settings.time_limit or (ANSWER if self._restricted else None)  # s
         self._since: float | None = None  # when the wait for the present answer began
@@ -292,7 +288,7 @@ class WorkerSimulator:
             self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
             raise BadInput(f"units.{self.name}", f"the unit cannot be started in a worker process: {error.reason}", "") from None
-        self._started, self.walls = True, walls() if self._restricted else []
+        self._started, self.walls = True, walls() if self._restricted else ()
         self._channel.limit = self._limit
 
     def put(self, name: str, value: float | str) -> None:

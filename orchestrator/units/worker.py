@@ -26,7 +26,6 @@ from ..verified_file import packed, unpacked
 from . import Simulator, environment, open_unit
 from .answers import LONGEST_TEXT, MOST_WARNINGS, REPORT
 from .channel import EVENT, INDEX, TIMES, Channel, Code, packer, unpacker
-from .fmu_messages import Messages
 from .interface import PortValues, SimulationEnded, Span
 from .sandbox import limit_resources
 
@@ -39,6 +38,8 @@ class Worker:
     def __init__(self, name: str, channel: Channel):
         self._name, self._channel = name, channel
         self._unit: Simulator
+        self._close: Callable[[], None] = lambda: None  # before there is a unit
+        self._calls: dict[str, Callable[..., Any]] = {"open": self.open}  # what a message may ask for, by name
         self._readers: list[tuple[Callable[[], PortValues], Callable[[PortValues], bytes]]] = []
         self._text_readers: list[Callable[[], list[str]]] = []
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
@@ -57,7 +58,26 @@ class Worker:
         self._unit = open_unit(
             self._name, UnitSettings.model_validate(settings), in_process=in_process, native=fmu, span=Span(*span)
         )
-        return self._unit.parameters()
+        unit, self._close = self._unit, self._unit.close
+        self._calls = {
+            "wire": self.wire,
+            "reader": self.reader,
+            "text_reader": self.text_reader,
+            "read_texts": self.read_texts,
+            "counted": lambda: unit.log_messages().counts,
+            "kept": self.kept,
+            "save": self.save,
+            "restore": self.restore,
+            "release": self.release,
+            "unpack": self.unpack,
+            "put": unit.put,
+            "wire_texts": unit.wire_texts,
+            "set_texts": unit.set_texts,
+            "initialize": unit.initialize,
+            "start": unit.start,
+            "work": unit.work,
+        }
+        return unit.parameters()
 
     def wire(self, inputs: list[str], outputs: list[str]) -> None:
         self._unit.wire(inputs, outputs)
@@ -73,21 +93,15 @@ class Worker:
     def read_texts(self, index: int) -> list[str]:
         return self._text_readers[index]()
 
-    def counted(self) -> dict[str, int]:
-        return self._messages().counts
-
     def kept(self) -> list[Any]:
         """Messages of the FMU, each as three values, as many as fit into a report."""
         kept: list[Any] = []
         room = REPORT // 2
-        for t, level, text in self._messages().kept:
+        for t, level, text in self._unit.log_messages().kept:
             room -= 50 + len(text.encode())
             if room > 0:
                 kept += t, level, text
         return kept
-
-    def _messages(self) -> Messages:
-        return self._unit.log_messages() if hasattr(self._unit, "log_messages") else Messages()
 
     def save(self, number: int) -> None:
         self._states[number] = self._unit.save(self._states.get(number))
@@ -102,8 +116,7 @@ class Worker:
         self._states[number] = self._unit.unpack(packed)
 
     def close(self) -> None:
-        if hasattr(self, "_unit"):
-            self._unit.close()
+        self._close()
 
     def _step(self, content: memoryview) -> None:
         unit, n, take = self._unit, self._n, self._take
@@ -116,8 +129,7 @@ class Worker:
     def _answer(self, code: int, content: memoryview) -> tuple[int, bytes]:
         if code == Code.CALL:
             name, *arguments = unpacked(content)
-            method = getattr(self, name, None) or getattr(self._unit, name)
-            return Code.DATA, packed(method(*arguments))
+            return Code.DATA, packed(self._calls[name](*arguments))
         if code == Code.READ:
             read, give = self._readers[INDEX.unpack(content)[0]]
             return Code.NUMBERS, give(read())

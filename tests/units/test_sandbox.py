@@ -136,7 +136,7 @@ def test_which_ways_out_hold(isolation, target):
             out -= {f"{kind}_stays"}
         for process in sleepers(seconds):
             os.kill(process, signal.SIGKILL)
-    assert bool(result.info.units["u"].get("walls")) == (isolation == "restricted")
+    assert bool(result.info.units["u"].walls) == (isolation == "restricted")
     if isolation == "restricted":
         assert sorted(out - (ONLY_FOR_USERS if os.geteuid() == 0 else set())) == sorted(OPEN)
     else:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ....components.core.reduced import LAWS, force_in_series, reduced_step
 from ...settings import ContactSettings
 from ...settings.scene import SideSettings
-from ...units.interface import PlainSimulator, PortValues
+from ...units.interface import PortValues, Simulator
 from ...verified_file import packed, unpacked
 from ..coupling.contacts import PARTS, SIDES
 from .polynomials import end_of, extrapolation
@@ -117,7 +117,7 @@ class Side:
         self.line = Line(*force)
 
 
-class ContactSimulator(PlainSimulator):
+class ContactSimulator(Simulator):
     """A contact as a unit; see the module."""
 
     kind = "contact"

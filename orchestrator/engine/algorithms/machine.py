@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import c_double
 from dataclasses import dataclass
 from functools import partial
@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...units.call_table import Callback, calls_of, polynomials
-from ...units.interface import port_values
+from ...units.call_table import Callback, polynomials, python_table
+from ...units.interface import CallTable, SteppedFmu, port_values
 from .memory import Records
 from .network import RowRange
 from .node import Node
@@ -56,10 +56,11 @@ class Machine:
         self._begin = [Callback(partial(_begin, node, texts)) for node in nodes]
         for node, callback in zip(nodes, self._begin, strict=True):
             node.unit_record["initialize"] = callback.function
-        self._called: list[Any] = []  # what steps each unit
-        self._noted: list[tuple[Any, int, int]] = []  # who asks for its time, and the cells of the steps taken and of the time
-        self.fmus: list[tuple[Any, int, int, int]] = []  # with the cells of whether a state will come back, of steps, of warnings
-        self._tables: list[Any] = []  # which keep what addresses point to
+        self._noted: list[tuple[Callable[[float], None], int, int]] = []  # with the cells of the steps taken and of the time
+        self.fmus: list[
+            tuple[SteppedFmu, int, int, int]
+        ] = []  # with the cells of whether a state will come back, of steps, of warnings
+        self._tables: list[CallTable] = []  # which keep what addresses point to
         self._watched = np.zeros(0, dtype=np.int64)
         self._under_way: Space | None = None
 
@@ -74,27 +75,25 @@ class Machine:
     def address(self) -> None:
         """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
         records, memory = self.records, self.records.memory
-        self._called.clear()
         self._noted.clear()
         self.fmus.clear()
         self._tables.clear()
         for node in self._nodes:
             row, links = node.of_called
-            unit, table = calls_of(node.unit, links, memory.signals[node.place])
+            table = node.unit.call_table() or python_table(node.unit, links, memory.signals[node.place])
             row["input_mode"] = table.input_mode
             for name, address in table.calls.items():
                 row[name] = address
             links["at"], memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
             links["set_on_change"], row["n_set_on_change"] = table.set_on_change, sum(table.set_on_change)
-            self._called.append(unit)
             taken, time = (records.place("units", node.called, name) for name in ("taken", "time"))
-            if hasattr(unit, "stepped"):
-                self._noted.append((unit.stepped, taken, time))
-            if hasattr(unit, "begin_steps"):  # an FMU that compiled code steps
-                unit.driven = partial(polynomials, links)
-                unit.time_of_step = partial(records.numbers.__getitem__, time)
+            if table.stepped is not None:
+                self._noted.append((table.stepped, taken, time))
+            if (fmu := table.fmu) is not None:
+                fmu.driven = partial(polynomials, links)
+                fmu.time_of_step = partial(records.numbers.__getitem__, time)
                 no_return, warned = (records.place("units", node.called, name) for name in ("no_return", "warned"))
-                self.fmus.append((unit, no_return, taken, warned))
+                self.fmus.append((fmu, no_return, taken, warned))
             self._tables.append(table)
 
     def perform(self, rows: RowRange, t: float, h: float) -> None:
@@ -119,7 +118,7 @@ class Machine:
             node = self._nodes[unit]
             begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self.note()
-            self._called[unit].stopped(records.answer("status"), begin, length)
+            self._tables[unit].stopped(records.answer("status"), begin, length)
             records.ask(first=records.answer("row") + 1, steps=1, times=0, rows=0, sampled_count=0)
             records.call("run_steps", t, h)
 
@@ -137,7 +136,7 @@ class Machine:
         """Tell the units how far they have come."""
         integers, numbers = self.records.integers, self.records.numbers
         for fmu, _, taken, warned in self.fmus:
-            fmu.counted(integers[taken], integers[warned])
+            fmu.count(integers[taken], integers[warned])
             integers[warned] = 0
         for stepped, taken, time in self._noted:
             if integers[taken]:

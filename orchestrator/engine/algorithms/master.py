@@ -17,7 +17,6 @@ import numpy as np
 from ....components.core.errors import StepFailed
 from ...settings import MasterSettings
 from ...units import Simulator
-from ...units.component import ComponentSimulator
 from ..coupling import Coupling, Endpoint
 from .algorithm import class_of
 from .feedthrough import Feedthrough
@@ -207,9 +206,9 @@ class Master:
         at: list[int] = []
         for name, of_unit in groupby(ends, key=itemgetter(0)):
             unit = self.node_of[name].unit if name in self.node_of else None
-            if not isinstance(unit, ComponentSimulator):
+            if unit is None or (there := unit.outputs_at([output for _, output in of_unit])) is None:
                 return None
-            at += unit.outputs_at([output for _, output in of_unit])
+            at += there
         return self.machine.watch(at)
 
     def halt(self) -> None:

@@ -124,8 +124,7 @@ class Node:
         self.sample_records["samples"], self.sample_records["elapsed"] = 1, 0.0
         if self.own is not None:
             self._own["samples"] = 0
-        if (restart := getattr(self.unit, "restart", None)) is not None:
-            restart()
+        self.unit.restart()
 
     def jump(self) -> None:
         """The ends of the polynomials are no guess of the inputs any more."""

@@ -10,7 +10,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...units.component import ComponentSimulator
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.machine import Steps
@@ -274,14 +273,14 @@ class Stepping:
 
     def _saves(self, master: Master) -> bool:
         """Whether steps can be taken back: all units are components whose whole state is known."""
-        components = _components(master)
-        return len(components) == len(master.nodes) and all(u.name in self._trusted or u.written is not None for u in components)
+        units = [node.unit for node in master.nodes]
+        return all(u.component is not None and (u.name in self._trusted or u.written is not None) for u in units)
 
     def _save(self, master: Master) -> Any:
         """All that the next steps depend on, and counters of the components."""
-        components = _components(master)
-        arrays = [unit.component.counts for unit in components]
-        arrays += [array for unit in components if unit.name not in self._trusted for array in unit.written or ()]
+        units = [node.unit for node in master.nodes]
+        arrays = [unit.component.counts for unit in units if unit.component is not None]
+        arrays += [array for unit in units if unit.name not in self._trusted for array in unit.written or ()]
         return self.master.save(), [(array, array.copy()) for array in arrays]
 
     def _restore(self, saved: Any) -> None:
@@ -300,10 +299,6 @@ def _steps(wanted: Iterable[range], n: int) -> list[int]:
 def _batch(ticks: range, times: np.ndarray, n: int, taken: Steps, at: np.ndarray, saved: Sequence[Any] = ()) -> Batch:
     """The first n steps of those that were taken; ticks, times: from before the first one."""
     return Batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows[:n], taken.outputs[:n], at, taken.inputs[: at.size], saved)
-
-
-def _components(master: Master) -> list[ComponentSimulator]:
-    return [unit for node in master.nodes if isinstance(unit := node.unit, ComponentSimulator)]
 
 
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
