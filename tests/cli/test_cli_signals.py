@@ -32,7 +32,7 @@ MOMENTS = {
     "start": ("cosimo.orchestrator.judgement.verification", "run", 1, False),
     "FMUs": ("cosimo.orchestrator.run.run", "OpenScene", 1, False),
     "units": ("cosimo.orchestrator.opened.open_scene", "stepping_of", 1, False),
-    "stepping": ("cosimo.orchestrator.run.instability", "InstabilityMonitor._first_growth", 3, True),
+    "stepping": ("cosimo.orchestrator.run.instability", "InstabilityMonitor._judged", 3, True),
     "repetition": ("cosimo.orchestrator.run.run", "Run._start", 2, True),
     "report": ("cosimo.orchestrator.cli.run_parts", "write", 1, True),
 }
