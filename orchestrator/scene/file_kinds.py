@@ -30,9 +30,9 @@ SUFFIXES = {".fmu": "FMU", ".ssp": "SSP", ".ssd": "SSP", ".csv": "CSV"}
 KEYS = {  # kind of a TOML file -> keys of which one shows it; the first kind that fits counts
     "scene": ("units",),
     "line": ("sections",),
-    "case": ("scene", "runs"),
+    "case": ("scene",),
     "design": ("minimise", "maximise"),
-    "fit": ("curves", "spectra", "targets"),
+    "fit": ("curves", "spectra", "targets", "runs"),
     "plan": ("vary", "method", "table"),
     "table": ("sources", "rows"),
 }

@@ -15,6 +15,14 @@
     value = 0.31
     deviation = 0.005
 
+Of several runs, each has its measurements, and what is special to it:
+
+    [[runs]]
+    condition = "2 kg"
+    changes = { "mass.mass" = "2 kg" }
+    vary = { "mass.start_x" = { low = -0.1, high = 0.1 } }           # of this run alone; [vary] is common to all
+    curves = [{ signal = "mass.position", file = "heavy.csv", noise = "2 mm" }]
+
 A design has `minimise = "column"` or `maximise`, or lists of columns for a front, [constraints] with
 "column" = { low = ..., high = ... }, and `rows` of a table.
 """
@@ -26,7 +34,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
-from .case import CurveSettings
+from .case import CurveSettings, RunSettings
 from .measured import Amount, MeasuredColumn
 from .model import Model, Number, Positive, Truth
 from .plan import KeepSettings, LimitSettings, RowsSettings
@@ -101,13 +109,31 @@ class TargetSettings(Model):
     deviation: Positive = Field(description="its standard deviation")
 
 
-class FitSettings(Model):
-    """Parameters that are fitted, and what they are fitted to."""
+class MeasuredData(Model):
+    """What was measured of one run."""
 
-    vary: Annotated[dict[str, RangeSettings], Field(min_length=1)]
     curves: tuple[FittedCurve, ...] = ()
     spectra: tuple[SpectrumSettings, ...] = ()
     targets: tuple[TargetSettings, ...] = ()
+
+    @property
+    def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
+        """Curves and spectra."""
+        return (*self.curves, *self.spectra)
+
+
+class MeasuredRun(RunSettings, MeasuredData):
+    """One of several runs that are fitted together."""
+
+    input: str = Field(default="", description="CSV over time, beside the plan: its columns drive the inputs of their names")
+    vary: dict[str, RangeSettings] = Field(default={}, description="parameters of this run alone")
+
+
+class FitSettings(MeasuredData):
+    """Parameters that are fitted, and what they are fitted to: the measurements of one run, or [[runs]] with theirs."""
+
+    vary: dict[str, RangeSettings] = Field(default={}, description="parameters of all runs")
+    runs: tuple[MeasuredRun, ...] = ()
     step: Share = Field(
         default=1e-4, description="step of differences where there are no exact derivatives, a share of the range"
     )
@@ -128,22 +154,33 @@ class FitSettings(Model):
     @property
     def noise_known(self) -> bool:
         """Whether the standard deviations of all measurements are given."""
-        return bool(self.targets) or all(m.noise is not None for m in self.measured)
+        return any(r.targets for r in self.each) or all(m.noise is not None for r in self.each for m in r.measured)
 
     @property
-    def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
-        """Curves and spectra."""
-        return (*self.curves, *self.spectra)
+    def each(self) -> tuple[MeasuredRun, ...]:
+        """The runs; a plan without [[runs]] is one."""
+        return self.runs or (MeasuredRun(condition="", curves=self.curves, spectra=self.spectra, targets=self.targets),)
 
     @model_validator(mode="after")
     def _has_data(self) -> FitSettings:
-        if not self.measured and not self.targets:
+        if self.runs and (self.measured or self.targets):
+            raise BadInput("", "measurements beside [[runs]]", "each measurement in its run", "Put them into a run.")
+        names = [r.condition for r in self.each]
+        if twice := next((n for n in names if names.count(n) > 1), None):
+            raise BadInput("runs", f"two of the condition {twice!r}", "a condition for each run")
+        for run in self.each:
+            where = f"runs: {run.condition}" if self.runs else ""
+            if not run.measured and not run.targets:
+                remedy = "Add [[curves]], [[spectra]] or [[targets]]."
+                raise BadInput(where, "neither curves nor targets nor spectra", "measurements", remedy)
+            if both := next((n for n in run.vary if n in self.vary), None):
+                raise BadInput(f"{where}: vary", f"{both!r}, which [vary] has as well", "a parameter of all runs, or of this one")
+        if not (self.vary or any(r.vary for r in self.runs)):
+            raise BadInput("vary", "{}", "at least one")
+        measured = [m for r in self.each for m in r.measured]
+        if any(m.noise is None for m in measured) and (any(r.targets for r in self.each) or len(measured) > 1):
             raise BadInput(
-                "", "neither curves nor targets nor spectra", "measurements", "Add [[curves]], [[spectra]] or [[targets]]."
-            )
-        if any(c.noise is None for c in self.measured) and (self.targets or len(self.measured) > 1):
-            raise BadInput(
-                "curves" if self.curves else "spectra",
+                "runs" if self.runs else "curves" if self.curves else "spectra",
                 "several measurements without the noise of each",
                 "noise = ... of every one",
                 "They have to be weighed against one another.",

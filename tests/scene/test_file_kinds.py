@@ -21,6 +21,7 @@ FILES = {
     "limits.toml": ("table", '[sources]\ns = "t"\n'),
     "plan.toml": ("plan", '[vary]\n"a.b" = [1.0]\n'),
     "fit.toml": ("fit", "[vary]\n[[targets]]\n"),
+    "runs.toml": ("fit", "[vary]\n[[runs]]\n"),
     "design.toml": ("design", 'minimise = "a"\n'),
     "droppers.csv": ("CSV", "position [m]\n1\n"),
     "results": ("result", None),

@@ -66,7 +66,7 @@ def evaluations(
 
 
 class Evaluations:
-    """names, low, high: of the parameters, (n,).  scene: that is run."""
+    """names, low, high: of the parameters, (n,).  scene: that is run; whole: as it was given, with its snapshots."""
 
     def __init__(
         self,
@@ -78,8 +78,8 @@ class Evaluations:
         kept: bool,
         stack: ExitStack,
     ):
-        self.scene, self._own, self._vary, self._task = task.scene(), scene, vary, task
-        self._computing, self._folder, self._kept = computing, folder, kept
+        self.scene, self.whole, self._vary, self._task = task.scene(), scene, vary, task
+        self._computing, self._folder, self._keeps = computing, folder, kept
         self._stack = stack
         self._store = Store.of(task, folder)
         self._asked: dict[int, np.ndarray] = {}  # points by digest, in the order in which they were asked for first
@@ -148,8 +148,13 @@ class Evaluations:
     def stopped(self, signal: Signals) -> Stopped:
         """What tells of a search that a signal has ended, with the number of its runs that are kept."""
         stopped = Stopped(signal)
-        stopped.kept = self._store.size
+        stopped.kept = self.kept
         return stopped
+
+    @property
+    def kept(self) -> int:
+        """How many runs are kept, of earlier calls, too."""
+        return self._store.size
 
     @property
     def history(self) -> list[tuple[np.ndarray, PointResult]]:
@@ -169,6 +174,6 @@ class Evaluations:
 
     def sweep(self) -> Sweep | None:
         """The runs as a sweep, in the order of the search, with its table and data set; None without a directory."""
-        if not self._kept:
+        if not self._keeps:
             return None
-        return collected_sweep(self._own, self._stored(list(self._asked.values())), self._folder, computed=self.computed)
+        return collected_sweep(self.whole, self._stored(list(self._asked.values())), self._folder, computed=self.computed)

@@ -20,12 +20,11 @@ from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
 from ..validation.curves import CurveComparison
-from ..validation.spectra import compare_spectrum
 from .evaluations import SearchOptions
-from .measures import PointResult
 from .plan import other_starts
 from .repetition import OF_DEVIATION
-from .residuals import KeptRun, Residuals, residuals_of
+from .residual_tests import RESIDUAL_TESTS, ResidualTest, residual_tests
+from .residuals import PointResults, Residuals, RunResiduals, residuals_of
 from .searches import Ask, jacobian, run_searches
 
 FITTED = "fitted.toml"
@@ -35,9 +34,10 @@ SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another
 @dataclass(frozen=True)
 class SceneFit:
     """Fitted parameters of a scene. fit: in the parameters' own units.  units: of measure by name.  charts: measured and fitted.
-    scene: with the fitted values, their standard deviations and correlations as its tolerances.  runs: that the search asked for,
-    `computed` of them by this call.  sweep: all of them.  derivatives: of each parameter whether its column of the Jacobian was exact,
-    at how many of the `jacobians` points, and why not.
+    scene: with the fitted values, their standard deviations and correlations as its tolerances; of several runs with what is common to
+    them, and `scenes` are those of the runs, by condition.  tests: of the residuals.  targets: condition, quantity, measured, its
+    deviation, fitted.  runs: that the search asked for, `computed` of them by this call.  sweeps: all of them, one of each run.
+    derivatives: of each parameter whether its column of the Jacobian was exact, at how many of the `jacobians` points, and why not.
     """
 
     fit: Fit
@@ -45,12 +45,14 @@ class SceneFit:
     scene: Scene
     start: Mapping[str, float]
     charts: tuple[Chart, ...]
-    targets: tuple[tuple[str, float, float, float], ...]  # quantity, measured, its deviation, fitted
+    targets: tuple[tuple[str, str, float, float, float], ...]
+    tests: tuple[ResidualTest, ...]
+    scenes: Mapping[str, Scene]
     runs: int
     computed: int
     jacobians: int
     derivatives: Mapping[str, str]
-    sweep: Sweep | None = None
+    sweeps: tuple[Sweep, ...] = ()
 
     def __repr__(self) -> str:
         """A line a parameter, with its standard deviation."""
@@ -61,7 +63,10 @@ class SceneFit:
         return "\n".join([*lines, *self.fit.messages])
 
     def save(self, directory: str | Path) -> Path:
-        """Write fitted.toml, the scene, and fit.csv: a row a parameter, with its correlations with the others; returns its path."""
+        """Write fitted.toml, the scene, and fit.csv: a row a parameter, with its correlations with the others; returns its path.
+
+        Of several runs, fitted-CONDITION.toml is the scene of each, and residuals.csv has the tests of their residuals.
+        """
         header = [
             "parameter",
             "unit",
@@ -77,7 +82,11 @@ class SceneFit:
             (n, self.units[n], v, s, low, high, self.start[n], self.derivatives[n], *self.fit.correlation[k].tolist())
             for k, (n, v, s, low, high) in enumerate(self.fit.rows())
         ]
-        write_scene(self.scene, Path(directory) / FITTED, ["Fitted values; tolerances are their standard deviations."])
+        remarks = ["Fitted values; tolerances are their standard deviations."]
+        write_scene(self.scene, Path(directory) / FITTED, remarks)
+        for condition, scene in self.scenes.items():
+            write_scene(scene, Path(directory) / f"fitted-{condition}.toml", remarks)
+        write_table(directory, "residuals.csv", RESIDUAL_TESTS, [test.row for test in self.tests])
         return write_table(directory, "fit.csv", header, rows)
 
 
@@ -109,70 +118,87 @@ class _Fitting:
     """One fit: its searches over the unit cube."""
 
     def __init__(self, scene: Scene, residuals: Residuals):
-        self.scene, self.residuals, self.wanted, self.runs = scene, residuals, residuals.wanted, residuals.runs
-        self.low, self.width = self.runs.low, self.runs.high - self.runs.low
+        self.scene, self.residuals, self.wanted = scene, residuals, residuals.wanted
+        self.low, self.width = residuals.low, residuals.high - residuals.low
 
     def answer(self, verify: bool) -> SceneFit:
         """Search from every start; the fit with the least residuals, what the others came to, and what shorter steps change."""
-        runs, names = self.runs, self.runs.names
-        first = runs.start()
-        (row,) = runs([first])
+        residuals, names = self.residuals, self.residuals.names
+        first = residuals.start()
+        (row,) = residuals.rows([first])
         if row.outcome != "done":
             raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")
-        self.residuals.size = self.residuals(first, row).size
+        residuals.first(first, row)
         starts = [(first - self.low) / self.width, *other_starts(self.wanted.starts, len(names), self.wanted.seed)]
-        rows = runs([self.low + u * self.width for u in starts])
+        rows = residuals.rows([self.low + u * self.width for u in starts])
         usable = [u for u, row in zip(starts, rows, strict=True) if row.outcome == "done"]
-        fits = sorted(run_searches([self._search(u) for u in usable], runs), key=lambda f: float(f.residuals @ f.residuals))
+        searches = [self._search(u) for u in usable]
+        fits = sorted(run_searches(searches, residuals.rows), key=lambda f: float(f.residuals @ f.residuals))
         messages = [f"{len(starts) - len(usable)} of {len(starts)} starts could not be run"] if len(usable) < len(starts) else []
         if self.wanted.profile:
             fits[0] = self._profiled(fits[0])
         best = _in_units(fits[0], self.low, self.width)
         messages += [*best.messages, *_others(best, [_in_units(f, self.low, self.width) for f in fits[1:]], self.width)]
-        (row,) = runs([best.values])
+        (row,) = residuals.rows([best.values])
         if row.outcome != "done":
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
         messages += [row.reason] if row.reason else []
         messages += self._blurred(best, row) if verify else []
-        fitted = self.scene.with_changes(runs.values(best.values))
-        comparisons = self.residuals.compared(fitted, row)
-        messages += [c.counted for c in comparisons if c.incomplete]
-        messages += [text for c in comparisons if (text := _between(c))]
-        charts = [
-            *(c.chart() for c in comparisons),
-            *(compare_spectrum(s, self.residuals.folder, KeptRun(fitted, row)).chart() for s in self.wanted.spectra),
-        ]
-        targets = tuple((t.quantity, t.value, t.deviation, self.residuals.target(row, t.quantity)) for t in self.wanted.targets)
+        each = residuals.runs
+        fitted = [self._fitted(run.runs.whole, run, best) for run in each]
+        for run, scene, of in zip(each, fitted, row.of, strict=True):
+            comparisons = run.compared(scene, of)
+            messages += [c.counted for c in comparisons if c.incomplete]
+            messages += [text for c in comparisons if (text := _between(c))]
+        tests = residual_tests(residuals, best, row)
+        messages += [test.words for test in tests if not test.holds]
+        common = [names.index(n) for n in self.wanted.vary]
+        values = dict(list(residuals.values(best.values).items())[: len(common)])
+        whole = with_tolerances(self.scene.with_changes(values), list(self.wanted.vary), best.covariance[np.ix_(common, common)])
+        several = len(each) > 1
         return SceneFit(
             replace(best, messages=tuple(messages)),
-            {n: measure_of(self.scene, n) for n in names},
-            with_tolerances(fitted, names, best.covariance),
-            runs.values(first),
-            tuple(charts),
-            targets,
-            runs.asked,
-            runs.computed,
-            runs.derivatives.points,
-            {n: runs.derivatives.how(n) for n in names},
-            runs.sweep(),
+            {n: measure_of(self.scene, n.rpartition(": ")[2]) for n in names},
+            whole if several else fitted[0],
+            residuals.values(first),
+            tuple(c for run, scene, of in zip(each, fitted, row.of, strict=True) for c in run.charts(scene, of)),
+            tuple(
+                (run.wanted.condition, t.quantity, t.value, t.deviation, run.target(of, t.quantity))
+                for run, of in zip(each, row.of, strict=True)
+                for t in run.wanted.targets
+            ),
+            tests,
+            {run.wanted.condition: scene for run, scene in zip(each, fitted, strict=True)} if several else {},
+            sum(run.runs.asked for run in each),
+            sum(run.runs.computed for run in each),
+            max(run.runs.derivatives.points for run in each),
+            {n: residuals.how(n) for n in names},
+            tuple(sweep for run in each if (sweep := run.runs.sweep()) is not None),
         )
 
-    def _blurred(self, best: Fit, row: PointResult) -> list[str]:
+    def _fitted(self, scene: Scene, run: RunResiduals, best: Fit) -> Scene:
+        """The scene of a run with its fitted values, and their deviations as tolerances."""
+        own = run.own
+        changed = scene.with_changes(run.runs.values(best.values[own]))
+        return with_tolerances(changed, run.runs.names, best.covariance[np.ix_(own, own)])
+
+    def _blurred(self, best: Fit, rows: PointResults) -> list[str]:
         """What half of every step changes at the fit, where that is not small beside what is left of the residuals."""
-        rows, repeated = self.runs.repeated([best.values])
-        (again,) = rows
-        if again is None or again.outcome != "done":
-            return repeated.messages()
-        change = 2.0 * (self.residuals(best.values, again) - self.residuals(best.values, row))
-        share = float(np.sqrt(np.mean(change**2) / best.variance)) if best.variance > 0.0 else 0.0
-        return (
-            [
+        changes, texts = [], []
+        for run, row in zip(self.residuals.runs, rows.of, strict=True):
+            p = best.values[run.own]
+            (again,), repeated = run.runs.repeated([p])
+            if again is None or again.outcome != "done":
+                texts += repeated.messages()
+            else:
+                changes.append(2.0 * (run(p, again) - run(p, row)))
+        share = float(np.sqrt(np.mean(np.concatenate(changes) ** 2) / best.variance)) if changes and best.variance > 0.0 else 0.0
+        if share > OF_DEVIATION:
+            texts.append(
                 f"the numerical error of the fitted run is {100.0 * share:.2g} % of the standard deviation of the measurements: "
                 "reduce master.step"
-            ]
-            if share > OF_DEVIATION
-            else []
-        )
+            )
+        return list(dict.fromkeys(texts))
 
     def _functions(self, ask: Ask) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
         """Residuals (m,) and Jacobian (m, n) over the unit cube, by runs that are asked for."""
@@ -183,13 +209,13 @@ class _Fitting:
 
         def exact(u: np.ndarray) -> np.ndarray:
             p = self.low + u * self.width
-            return self.runs.slopes(p, lambda row: self.residuals(p, row)) * self.width
+            return self.residuals.slopes(p) * self.width
 
-        step, names = self.wanted.step, self.runs.names
+        step, names = self.wanted.step, self.residuals.names
         return lambda u: values([u])[0], lambda u: jacobian(values, u, step, names, exact(u))
 
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
-        names, wanted = self.runs.names, self.wanted
+        names, wanted = self.residuals.names, self.wanted
 
         def search(ask: Ask) -> Fit:
             values, slopes = self._functions(ask)
@@ -212,7 +238,7 @@ class _Fitting:
         def from_end(k: int, way: float) -> Callable[[Any], Any]:
             return lambda ask: profile_end(unit, *self._functions(ask), k, way)
 
-        profiles = run_searches([from_end(*end) for end in ends], self.runs)
+        profiles = run_searches([from_end(*end) for end in ends], self.residuals.rows)
         texts = list(dict.fromkeys(text for _, text in profiles if text))
         intervals = np.array([end for end, _ in profiles]).reshape(-1, 2)
         return replace(unit, intervals=intervals, messages=(*unit.messages, *texts))

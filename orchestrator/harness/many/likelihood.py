@@ -34,42 +34,42 @@ class Likelihood:
         """Arguments as of a fit. Raises `BadInput`, also for measurements without a standard deviation."""
         self._stack = ExitStack()
         self._of = self._stack.enter_context(residuals_of(scene, settings, None, Path(folder), jobs=1, summarize=summarize))
-        wanted, runs = self._of.wanted, self._of.runs
+        wanted, of = self._of.wanted, self._of
         if not wanted.noise_known or wanted.loss != "linear":
             self.close()
             raise BadInput("likelihood", "a measurement without noise, or a loss", "the noise of each, and loss = 'linear'")
-        self.names, self.low, self.high, self.start = tuple(runs.names), runs.low, runs.high, runs.start()
+        self.names, self.low, self.high, self.start = tuple(of.names), of.low, of.high, of.start()
 
     def __call__(self, x: np.ndarray) -> float:
         """At x, (n,), in the units of the scene's parameters."""
         if not self._inside(x):
             return -np.inf
-        (row,) = self._of.runs([np.asarray(x, dtype=float)])
+        (row,) = self._of.rows([np.asarray(x, dtype=float)])
         return self._of.log_density(row)
 
     def gradient(self, x: np.ndarray) -> np.ndarray:
         """Its derivatives at x, (n,): by one run with tangents where there are some, else by differences. Raises `BadInput` outside."""
         if not self._inside(x):
             raise BadInput("likelihood: x", f"{np.asarray(x).tolist()}", "finite values within the bounds")
-        runs, width = self._of.runs, self.high - self.low
+        of, width = self._of, self.high - self.low
 
         def values(points: Any) -> list[np.ndarray]:
             p = [self.low + u * width for u in points]
-            return [self._of(q, row) for q, row in zip(p, runs(p), strict=True)]
+            return [of(q, row) for q, row in zip(p, of.rows(p), strict=True)]
 
         p = np.asarray(x, dtype=float)
-        (row,) = runs([p])
-        residuals = self._of(p, row)
+        (row,) = of.rows([p])
+        residuals = of(p, row)
         if not np.isfinite(residuals).all():
             raise BadInput("likelihood: x", f"a run that is {row.outcome}: {row.reason}", "a run that comes to its end")
-        exact = runs.slopes(p, lambda row: self._of(p, row)) * width
-        J = jacobian(values, (p - self.low) / width, self._of.wanted.step, runs.names, exact) / width
+        of.first(p, row)
+        J = jacobian(values, (p - self.low) / width, of.wanted.step, of.names, of.slopes(p) * width) / width
         return -J.T @ residuals
 
     @property
     def exact(self) -> dict[str, str]:
         """Of each parameter."""
-        return {n: self._of.runs.derivatives.how(n) for n in self.names}
+        return {n: self._of.how(n) for n in self.names}
 
     def _inside(self, x: np.ndarray) -> bool:
         x = np.asarray(x, dtype=float)

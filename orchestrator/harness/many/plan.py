@@ -117,8 +117,13 @@ def read_settings(data: Any, name: str, scene: Scene | None, folder: Path = Path
     if isinstance(data, str | Path):
         path = Path(data)
         data, name, folder = read_toml(path, name, "plan"), path.name, path.parent
-    if scene is not None and isinstance(data, Mapping) and isinstance(data.get("vary"), Mapping):
-        data = {**data, "vary": axes_with_numbers(data["vary"], scene.settings()["units"], f"{name}: vary")}
+    if scene is not None and isinstance(data, Mapping):
+        units, data = scene.settings()["units"], dict(data)
+        if isinstance(runs := data.get("runs"), list | tuple):  # of a fit
+            data["runs"] = [dict(r) if isinstance(r, Mapping) else r for r in runs]
+        for table in (data, *data.get("runs", ())):
+            if isinstance(table, dict) and isinstance(table.get("vary"), Mapping):
+                table["vary"] = axes_with_numbers(table["vary"], units, f"{name}: vary")
     return data, name, folder
 
 

@@ -14,10 +14,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ....components.core.errors import BadInput
-from .measures import PointResult
 
 T = TypeVar("T")
-Ask = Callable[[Sequence[np.ndarray]], list[PointResult]]
+Ask = Callable[[Sequence[np.ndarray]], list[Any]]  # rows: what the runs of a point give
 
 
 class _Abandoned(BaseException):
@@ -27,10 +26,10 @@ class _Abandoned(BaseException):
 def run_searches(searches: Sequence[Callable[[Ask], T]], compute: Ask) -> list[T]:
     """The results of searches, in their order. `compute`: runs points, together those that all searches have asked for."""
     questions: list[SimpleQueue[Sequence[np.ndarray] | None]] = [SimpleQueue() for _ in searches]  # None: the search has ended
-    answers: list[SimpleQueue[list[PointResult] | None]] = [SimpleQueue() for _ in searches]  # None: it is not gone on with
+    answers: list[SimpleQueue[list[Any] | None]] = [SimpleQueue() for _ in searches]  # None: it is not gone on with
 
     def run(place: int) -> T:
-        def ask(points: Sequence[np.ndarray]) -> list[PointResult]:
+        def ask(points: Sequence[np.ndarray]) -> list[Any]:
             questions[place].put(points)
             if (rows := answers[place].get()) is None:
                 answers[place].put(None)

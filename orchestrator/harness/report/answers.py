@@ -14,6 +14,7 @@ from ..charts.chart import Band, Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import BLUE, ORANGE, axis, drawn, layout, number
 from ..many.limits import unconfirmed
+from ..many.residual_tests import RESIDUAL_TESTS
 from . import generic, many_runs, sweeps
 from .page import Page, Section, write_page
 
@@ -194,11 +195,13 @@ def for_fit(answer: SceneFit, directory: str | Path) -> Path:
         blocks.append(
             Cells(
                 "Numbers",
-                ("quantity", "measured", "its standard deviation", "fitted"),
-                [(q, number(m), number(d), number(f)) for q, m, d, f in answer.targets],
-                right=frozenset({1, 2, 3}),
+                ("run", "quantity", "measured", "its standard deviation", "fitted"),
+                [(run, q, number(m), number(d), number(f)) for run, q, m, d, f in answer.targets],
+                right=frozenset({2, 3, 4}),
             )
         )
+    tests = [tuple(c if isinstance(c, str) else "" if c is None else number(c) for c in t.row) for t in answer.tests]
+    blocks.append(Cells("Residuals: noise alone?", RESIDUAL_TESTS, tests, right=frozenset(range(2, 7))))
     if len(names) > 1:
         cells = [(n, *(f"{c:.3f}".replace("-", "−") for c in row)) for n, row in zip(names, answer.fit.correlation, strict=True)]
         blocks.append(Cells("Correlations", ("", *names), cells, right=frozenset(range(1, 1 + len(names)))))

@@ -52,7 +52,7 @@ def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
     one, two = (fit(OSCILLATOR, settings, tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2))
     assert one.fit.values.tobytes() == two.fit.values.tobytes()
     assert one.fit.covariance.tobytes() == two.fit.covariance.tobytes()
-    assert one.runs == one.computed == two.computed == len(one.sweep.outcomes)
+    assert one.runs == one.computed == two.computed == len(one.sweeps[0].outcomes)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
@@ -126,8 +126,8 @@ def test_the_runs_of_a_fit_are_kept_with_their_signals(tmp_path):
     assert (again.computed, again.runs) == (0, one.runs)
     assert again.fit.values.tobytes() == one.fit.values.tobytes()
     # the data set has the signals of every run: x = v0/ω sin ωt
-    time, x = list(one.sweep.signals("m.x_out"))[-1]
-    k, v0 = one.sweep.varied["m.k"][-1], one.sweep.varied["m.v0"][-1]
+    time, x = list(one.sweeps[0].signals("m.x_out"))[-1]
+    k, v0 = one.sweeps[0].varied["m.k"][-1], one.sweeps[0].varied["m.v0"][-1]
     np.testing.assert_allclose(x, v0 / np.sqrt(k) * np.sin(np.sqrt(k) * time), atol=1e-9)
 
 
