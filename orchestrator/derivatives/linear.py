@@ -198,20 +198,16 @@ class Linearization:
     def __init__(self, step: CoupledStep, inputs: Sequence[str], outputs: Sequence[str]):
         self.step, self.block, self.scene = step, step.block, step.block.scene
         self.where = f"linearization of {self.scene.name}"
-        layout = self.block.layout
-        of = self.scene.coupling.signals
-        ends = {f"{u.name}.{n}": (u.name, n) for u in layout.units for n in u.component.outputs}
-        self.outputs = (
-            [".".join(end) for end in of if end in ends.values()] if not outputs else [self._known(n, ends) for n in outputs]
-        )
-        free = {f"{u.name}.{n}" for u in layout.units for n in u.component.inputs} & set(self.block.parameters())
+        known, recorded = self.block.outputs, [".".join(end) for end in self.scene.coupling.signals]
+        self.outputs = [self._known(n, known) for n in outputs] if outputs else [n for n in recorded if n in known]
+        free = {f"{u.name}.{n}" for u in self.block.layout.units for n in u.component.inputs} & set(self.block.parameters())
         self.inputs = [self._known(n, free) for n in inputs]
         for names in (self.inputs, self.outputs):
             if twice := sorted({n for n in names if names.count(n) > 1}):
                 raise BadInput(self.where, f"{', '.join(twice)} more than once", "each name once")
         self.u = self.block.places(self.inputs)
-        self.y = np.array([layout.output(ends[n]) for n in self.outputs], dtype=np.intp)
-        self.every_y = np.array([layout.output(end) for end in ends.values()], dtype=np.intp)
+        self.y = np.array([known[n] for n in self.outputs], dtype=np.intp)
+        self.every_y = np.array(list(known.values()), dtype=np.intp)
 
     def _known(self, name: str, known: Any) -> str:
         if name not in known:

@@ -40,9 +40,8 @@ class StateMap:
         self.scene, self.step, self.parameters = scene, CoupledStep(block), tuple(parameters)
         if len(self.parameters) >= block.width:
             raise BadInput(where, f"{len(self.parameters)} free parameters", f"{block.width - 1} at most")
-        ends = {f"{u.name}.{n}": (u.name, n) for u in block.layout.units for n in u.component.outputs}
         self._places = block.places(parameters)
-        self.y = np.array([block.layout.output(ends[name]) for name in outputs], dtype=np.intp)
+        self.y = np.array([block.outputs[name] for name in outputs], dtype=np.intp)
         self.cells, self.at = np.zeros(0, dtype=np.intp), scene.start_time
         self._counters = [  # they follow from the time
             unit.first + unit.component.block.ranges("x")[0][0] + NEXT  # type: ignore[union-attr]

@@ -56,7 +56,7 @@ class TangentBlock:
 
     initial: (n,) numbers that the scene starts from, parameters and free inputs among them.  cells: (n,), tangents: (n, width), where it
     stands.  still: (n, width) tangents that stay when others are chosen: addresses of derivatives, and those by `start`.
-    signals: "unit", "output" of each; table: their cells as the master holds them, (S,); outputs: those in their units, (S,).
+    outputs: "unit.output" -> its cell.  signals: "unit", "output" of those that the master holds; table: their cells there, (S,).
     h: length of the macro steps, s.  taken: how many since it was started, taken, or given another length of step.
     """
 
@@ -78,7 +78,7 @@ class TangentBlock:
         self.initial = image.view(np.float64)
         self.signals = list(self.master.positions)
         self.table = layout.at + self.master.records.block.cell("s", "signals") + np.arange(len(self.signals))
-        self.outputs = np.array([layout.output(end) for end in self.signals], dtype=np.intp)
+        self.outputs = {f"{u.name}.{n}": layout.output((u.name, n)) for u in layout.units for n in u.component.outputs}
         self._ends = [self.cell("units", k, "stop") for k in range(memory.units.size)]
         self._changes = [self.cell("links", k, "change") for k in range(memory.links.size)]
         self.initial[self._ends] = scene.stop_time
@@ -312,7 +312,8 @@ class TangentBlock:
             entry = self._code.entry(f"layout{unit.layout}_outputs", 1)
             if entry(self.cells[self.cell("units", unit.node.called, "time")], *self._arena.given(unit.first)):
                 raise StepFailed(unit.name, self.time, "its outputs have no derivatives")
-        self.cells[self.table], self.tangents[self.table] = self.cells[self.outputs], self.tangents[self.outputs]
+        shown = [self.outputs[".".join(end)] for end in self.signals]
+        self.cells[self.table], self.tangents[self.table] = self.cells[shown], self.tangents[shown]
         self.cells.view(np.int64)[[self.cell("units", k, "ends") for k in range(len(self._ends))]] = UNKNOWN
         self._ask("follow", whole=0, steps=1, updated=0)
         self._call(self._steps, self.time, 0.0)

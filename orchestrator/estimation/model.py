@@ -129,12 +129,10 @@ class Model:
 
     def _outputs_of_one_state(self) -> dict[str, tuple[int, float]]:
         """Of outputs that are a multiple of one state of a unit: its cell, and the factor."""
-        layout = self.block.layout
-        ends = {f"{u.name}.{n}": layout.output((u.name, n)) for u in layout.units for n in u.component.outputs}
         of_units = self.state[owners(self.block, self.state) >= 0]
-        rows, _ = self.step.now(of_units, np.eye(of_units.size), np.array(list(ends.values()), dtype=np.intp))
+        rows, _ = self.step.now(of_units, np.eye(of_units.size), np.array(list(self.block.outputs.values()), dtype=np.intp))
         alone = {}
-        for name, row in zip(ends, rows, strict=True):
+        for name, row in zip(self.block.outputs, rows, strict=True):
             if (
                 (k := int(np.argmax(np.abs(row)))) >= 0
                 and row[k]

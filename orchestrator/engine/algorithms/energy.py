@@ -63,6 +63,9 @@ class EnergyAccount:
     `correction`: what the integral of an input over time has missed is returned with the next step (NEPCE), so that the
     impulse a force gives is right but for the last step. Both inputs of a bond are corrected; where the bonds take all that a
     unit feels, the order of accuracy rises by one.
+
+    It wraps the master, for an observer sees instants that are reached for good: step control tries steps and halves of them, takes
+    them back with their entries, and keeps two halves for one instant; and what the account owes acts on the very next of them.
     """
 
     def __init__(self, master: Master, coupling: Coupling, *, correction: bool):
