@@ -241,7 +241,7 @@ class TangentBlock:
 
     # -- directions --------------------------------------------------------------------------------------------------
     def seed(self, cells: Sequence[int] | np.ndarray = (), directions: np.ndarray | None = None, first: int = 0) -> None:
-        """Let cells move along directions, (n, d), in the first ones of the block or further ones; others keep those that stay."""
+        """Let cells move along directions, (n, d), alone, the `first` of the block and those behind it; others keep tangents that stay."""
         self.tangents[:] = self.still
         self._arena.ties[0] = 0
         if directions is not None:
