@@ -24,6 +24,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...components.core.errors import BadInput
+from .answers import RangeSettings, Share
 from .measured import Amount, MeasuredSeries
 from .model import Model, Positive, Truth
 
@@ -104,3 +105,10 @@ class EstimateSettings(Model):
                         "a walk, or another filter",
                     )
         return self
+
+
+class LikelihoodSettings(EstimateSettings):
+    """A plan of `cosimo.likelihood` with process noise: numbers that vary, and the rest as a filter takes it."""
+
+    vary: Annotated[dict[str, RangeSettings], Field(min_length=1)]
+    step: Share = Field(default=1e-4, description="of differences, a share of the range")

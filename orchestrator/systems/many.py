@@ -246,10 +246,11 @@ def fit(
 def likelihood(
     scene: Scene | str | Path, settings: FitSettings | Mapping[str, Any] | str | Path, *, folder: str | Path = "."
 ) -> Likelihood:
-    """log p(measurements | x) as a function of the parameters that a fit varies, with its exact `gradient(x)`, for SciPy, emcee, PyMC.
+    """log p(measurements | x) as a function of the parameters in [vary], with its `gradient(x)`, for SciPy, emcee, PyMC.
 
-    settings: of a fit, with the standard deviation of every measurement.  folder: of measured files, where the settings are no file.
-    Close it, or use `with`. Raises `BadInput`.
+    settings: of a fit, with exact derivatives; or an estimate's with [vary] beside it, whose filter gives the likelihood under process
+    noise, with differences. The noise of each measurement is given.  folder: of measured files, where the settings are no file. Close
+    it, or use `with`. Raises `BadInput`.
     """
     from ..harness.many.likelihood import Likelihood
 

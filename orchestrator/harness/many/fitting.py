@@ -124,7 +124,7 @@ class _Fitting:
     def answer(self, verify: bool) -> SceneFit:
         """Search from every start; the fit with the least residuals, what the others came to, and what shorter steps change."""
         residuals, names = self.residuals, self.residuals.names
-        first = residuals.start()
+        first = residuals.start
         (row,) = residuals.rows([first])
         if row.outcome != "done":
             raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")

@@ -139,17 +139,13 @@ class PointResults:
 
 
 class Residuals:
-    """Of all runs of a fit. wanted: its settings.  names, low, high: of the parameters, (n,)."""
+    """Of all runs of a fit. wanted: its settings.  names, low, high: of the parameters, (n,).  start: where a search starts."""
 
     def __init__(self, wanted: FitSettings, runs: Sequence[RunResiduals], names: Sequence[str]):
         self.wanted, self.runs, self.names = wanted, runs, list(names)
-        self.low, self.high, self._start = (np.empty(len(self.names)) for _ in range(3))
+        self.low, self.high, self.start = (np.empty(len(self.names)) for _ in range(3))
         for run in reversed(runs):  # what all have starts as in the first one
-            self.low[run.own], self.high[run.own], self._start[run.own] = run.runs.low, run.runs.high, run.runs.start()
-
-    def start(self) -> np.ndarray:
-        """Where a search starts, (n,)."""
-        return self._start.copy()
+            self.low[run.own], self.high[run.own], self.start[run.own] = run.runs.low, run.runs.high, run.runs.start()
 
     def rows(self, points: Sequence[np.ndarray]) -> list[PointResults]:
         """Of each point (n,). A run is made once for all points that differ in the parameters of others alone."""
