@@ -21,7 +21,7 @@ LEFT, RIGHT, TOP, BOTTOM, WIDTH, HEIGHT = 70, 20, 60, 50, 760, 420
 def measure(speed: float, element: float, substep: float) -> float:
     """Strings: 20 Hz-filtered force over spans 5 and 6 against a sine series of 6000 modes, rms over sigma, %."""
     import numpy as np
-    from cosimo.orchestrator.harness.analysis.signals import Filter
+    from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
     from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import load_scene
     from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
@@ -31,9 +31,9 @@ def measure(speed: float, element: float, substep: float) -> float:
     result = run(scene, in_process=True)
     reference = passage(Line(), Head(), speed / 3.6, 30.0, scene.stop_time, 6000, 5e-4)
     grid = np.linspace(240.0, 360.0, 2401)
-    filtered = Filter().apply(result["pantograph.contact_force"], 1.0 / scene.master.step)
+    filtered = ButterworthFilter().apply(result["pantograph.contact_force"], 1.0 / scene.master.step)
     a = np.interp(grid, result["pantograph.contact_position"], filtered)
-    b = np.interp(grid, reference[1], Filter().apply(reference[2], 2000.0))
+    b = np.interp(grid, reference[1], ButterworthFilter().apply(reference[2], 2000.0))
     return float(100.0 * np.sqrt(np.mean((a - b) ** 2)) / b.std())
 
 

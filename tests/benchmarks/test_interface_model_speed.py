@@ -5,7 +5,7 @@ Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about an
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter, uniform
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import passages
@@ -43,7 +43,7 @@ def filtered(result, keep=1):
     """20 Hz-filtered contact force over spans 5 and 6 on a fixed grid of positions, N, from every `keep`-th sample."""
     record = passages(result)[0].record
     rate, _, (position, force) = uniform(record.time[::keep], record.position[::keep], record.force[::keep])
-    return np.interp(WINDOW, position, Filter().apply(force, rate))
+    return np.interp(WINDOW, position, ButterworthFilter().apply(force, rate))
 
 
 def error(history, reference):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
-from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter, uniform
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
@@ -41,14 +41,14 @@ def filtered(result):
     """20 Hz-filtered contact force over spans 5 and 6 on a fixed grid of positions, N."""
     record = passages(result)[0].record
     rate, _, (position, force) = uniform(record.time, record.position, record.force)
-    return np.interp(WINDOW, position, Filter().apply(force, rate))
+    return np.interp(WINDOW, position, ButterworthFilter().apply(force, rate))
 
 
 @pytest.fixture(scope="module")
 def reference():
     """Strings as sine series of 6000 modes, exact in time, on the same grid, N."""
     force = passage(Line(), Head(), 69.444444, 30.0, 5.0, 6000, 5e-4)
-    return np.interp(WINDOW, force[1], Filter().apply(force[2], 2000.0))
+    return np.interp(WINDOW, force[1], ButterworthFilter().apply(force[2], 2000.0))
 
 
 def error(result, reference):

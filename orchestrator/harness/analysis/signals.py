@@ -14,7 +14,7 @@ EDGE = (np.sqrt(2.0) - 1.0) ** 0.5  # (frequency ratio)^n at which two passes of
 
 
 @dataclass(frozen=True)
-class Filter:
+class ButterworthFilter:
     """Butterworth filter, described as a whole: what is stated here is what the signal has gone through.
 
     cutoff: Hz, where the whole filter's gain is 1/sqrt(2) (-3 dB).
@@ -59,7 +59,7 @@ class Filter:
 
 
 @lru_cache(maxsize=64)  # a report and the errors of its numbers apply the same few filters many times
-def sections(of: Filter, rate: float) -> np.ndarray:
+def sections(of: ButterworthFilter, rate: float) -> np.ndarray:
     """Second-order sections of a pass at a rate in Hz."""
     from scipy.signal import butter
 
@@ -119,10 +119,10 @@ def gaps(x: np.ndarray, rate: float, longer_than: float = 0.0, level: float = 0.
     return lengths[lengths > longer_than * rate * (1.0 + 1e-9)] / rate
 
 
-def band(x: np.ndarray, rate: float, low: float, high: float, like: Filter) -> np.ndarray:
+def band(x: np.ndarray, rate: float, low: float, high: float, like: ButterworthFilter) -> np.ndarray:
     """The part of x between `low` and `high` Hz, (n,), by filters of the order and phase of `like`; low 0 keeps the mean."""
-    kept = Filter(high, like.order, like.zero_phase).apply(x, rate)
-    return kept if low == 0.0 else Filter(low, like.order, like.zero_phase, "highpass").apply(kept, rate)
+    kept = ButterworthFilter(high, like.order, like.zero_phase).apply(x, rate)
+    return kept if low == 0.0 else ButterworthFilter(low, like.order, like.zero_phase, "highpass").apply(kept, rate)
 
 
 def hann(n: int) -> np.ndarray:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ....components.core.errors import BadInput
-from .signals import Filter, amplitude_spectrum, band, hann
+from .signals import ButterworthFilter, amplitude_spectrum, band, hann
 
 TURN = 2.0 * np.pi
 HELD = 64  # samples a turn on which a signal is followed; far above any order that is asked for
@@ -21,7 +21,7 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
         raise BadInput("band of the envelope", actual, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
     from scipy.signal import hilbert
 
-    return np.abs(hilbert(band(x, rate, low, high, Filter())))
+    return np.abs(hilbert(band(x, rate, low, high, ButterworthFilter())))
 
 
 def envelope_spectrum(x: np.ndarray, rate: float, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:

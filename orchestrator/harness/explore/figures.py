@@ -8,7 +8,7 @@ from typing import Any
 
 from ...run.figures import KINDS
 from ...scene.scene import Scene
-from ..analysis.signals import Filter, sections
+from ..analysis.signals import ButterworthFilter, sections
 from ..studies.quantities import EDGE, quantities_of
 
 MOST = 12  # figures of a scene without a system that knows better
@@ -38,7 +38,7 @@ class LiveFigure:
     kind: one of `LIVE_KINDS`; a share is in percent.  factor: of the number shown over that of the signals.
     powers: "unit.parameter" -> exponent with which the present value of the parameter multiplies the number.
     over: a figure by which this one is divided; without a number where that one is not positive.
-    cutoff: Hz, of the `Filter` that the whole signal goes through first; 0 without.
+    cutoff: Hz, of the `ButterworthFilter` that the whole signal goes through first; 0 without.
     window: (signal, from, to), where the signal never decreases: rows with from <= signal < to; without one the rows from
     `transient` s on, without `edge` s at either end.  frequency: Hz, of an amplitude.
     moves: of overshoot and settling time: (begin, change done, begin of the next one, s; sign of the change; band).
@@ -115,7 +115,7 @@ def filters(figures: Iterable[LiveFigure], step: float) -> dict[str, dict[str, A
 
     rate, needed = 1.0 / step, {}
     for cutoff in {f.cutoff for figure in figures for f in figure.whole if 0.0 < f.cutoff < 0.5 * rate}:
-        coefficients = sections(Filter(cutoff), rate)
+        coefficients = sections(ButterworthFilter(cutoff), rate)
         needed[f"{cutoff:g}"] = {
             "sections": coefficients.tolist(),
             "rest": sosfilt_zi(coefficients).tolist(),

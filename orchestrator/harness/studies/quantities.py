@@ -21,7 +21,7 @@ from ...run.results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
 from ...units.interface import Signal
-from ..analysis.signals import Filter, amplitude_at, uniform
+from ..analysis.signals import ButterworthFilter, amplitude_at, uniform
 
 CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is constant
 MOVES = 0.01  # of the whole range: a reference that covers more within `ABOUT` of the run moves there
@@ -44,7 +44,7 @@ class Quantity:
     signal: "unit.output".  kind: of `settings.study.QUANTITY_KINDS`.  frequency: Hz, of an amplitude.
     transient: s from the start that do not count.  nominal: of the signal, the scale where a reference is zero throughout.
     unit: of measure; angles in rad are compared as directions, because some units give them from 0 to a full turn.
-    cutoff: Hz, of the `Filter` that the whole signal goes through first, after which both ends lose `EDGE`; 0 without.
+    cutoff: Hz, of the `ButterworthFilter` that the whole signal goes through first, after which both ends lose `EDGE`; 0 without.
     """
 
     name: str
@@ -137,7 +137,7 @@ class Quantity:
         rate, even, (samples,) = uniform(history.time, x)
         if not self.cutoff < 0.5 * rate:
             return np.full_like(x, np.nan)
-        return np.interp(history.time, even, Filter(self.cutoff).apply(samples, rate))
+        return np.interp(history.time, even, ButterworthFilter(self.cutoff).apply(samples, rate))
 
 
 def moving(reference: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from ....components.core.errors import BadInput
 from ...run.instants import at_instants
 from ...scene.measured import FEWEST, Measured
 from ...settings.case import CurveSettings
-from ..analysis.signals import Filter, amplitude_spectrum, uniform
+from ..analysis.signals import ButterworthFilter, amplitude_spectrum, uniform
 from ..charts.chart import Chart, Panel, Series
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class CurveComparison:
             shown = (f > 0.0) & (f <= 1.5 * highest)
             series.append(Series(name, f[shown], a[shown]))
         spectrum = Panel(f"amplitude, {self.unit}", tuple(series), x_label="frequency, Hz")
-        how = str(Filter(c.cutoff)) if c.cutoff else "unfiltered"
+        how = str(ButterworthFilter(c.cutoff)) if c.cutoff else "unfiltered"
         span = f"from {self.time[0]:.4g} to {self.time[-1]:.4g} s of the run"
         text = f"Measured: {c.file}. Both {how}, at the measured instants {span}. {self.counted}"
         where = f", {c.condition}" if c.condition else ""
@@ -157,10 +157,10 @@ def _as_sampled(cutoff: float, at: np.ndarray, time: np.ndarray, values: np.ndar
         if not cutoff < 0.5 * r:
             raise BadInput(where, f"a cut-off of {cutoff:g} Hz at {r:g} samples a second of {name}", f"less than {0.5 * r:g} Hz")
     highest = SHOWN * 0.5 * rate
-    return even, Filter(highest, SHARP).apply(values, run_rate) if cutoff < highest < 0.45 * run_rate else values
+    return even, ButterworthFilter(highest, SHARP).apply(values, run_rate) if cutoff < highest < 0.45 * run_rate else values
 
 
 def _filtered(cutoff: float, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Samples (n,) at these instants after the low-pass filter."""
     rate, even, (values,) = uniform(at, values)
-    return np.interp(at, even, Filter(cutoff).apply(values, rate))
+    return np.interp(at, even, ButterworthFilter(cutoff).apply(values, rate))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...harness.analysis.signals import Filter, band, fraction_below, gaps, uniform, window
+from ...harness.analysis.signals import ButterworthFilter, band, fraction_below, gaps, uniform, window
 
 ARC = 5e-3  # s, shorter losses of contact are not counted as arcs (EN 50317, from memory)
 
@@ -32,7 +32,7 @@ class ContactStatistics:
     loss_filtered: float
     height_range: float  # max - min of the contact point's height
     uplift: tuple[float, ...]  # greatest uplift at each support
-    filter: Filter
+    filter: ButterworthFilter
     window: tuple[float, float]
     rate: float  # Hz
     samples: int
@@ -65,12 +65,12 @@ class ContactRecord:
     height: np.ndarray
     uplifts: tuple[np.ndarray, ...] = field(default=())
 
-    def statistics(self, span: tuple[float, float], low_pass: Filter | None = None) -> ContactStatistics:
+    def statistics(self, span: tuple[float, float], low_pass: ButterworthFilter | None = None) -> ContactStatistics:
         """Statistics over span[0] <= position < span[1]; filters see the whole record, so the window adds no edges.
 
         The uplift of a support is its maximum over the whole record: a support at the window's edge rises before and after.
         """
-        low_pass = low_pass or Filter()
+        low_pass = low_pass or ButterworthFilter()
         rate, _, (position, force, height) = uniform(self.time, self.position, self.force, self.height)
         cut = window(position, *span)
         filtered = low_pass.apply(force, rate)[cut]

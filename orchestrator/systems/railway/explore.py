@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from ...harness.analysis.signals import Filter
+from ...harness.analysis.signals import ButterworthFilter
 from ...harness.explore.figures import LiveFigure
 from .records import analysis_window, passages
 from .summary import TEXTS
@@ -34,7 +34,7 @@ def figures(result: Result) -> tuple[LiveFigure, ...]:
     start, end = analysis_window(result)
     window = (f"{unit}.contact_position", start, end)
     force = (f"{unit}.contact_force",)
-    cutoff = Filter().cutoff
+    cutoff = ButterworthFilter().cutoff
     rows = [_figure(unit, name, force, kind, cutoff=cutoff, window=window) for name, kind in KINDS.items()]
     rows.append(_figure(unit, "loss_raw", force, "share not above zero", window=window))
     watched = [n for n in result.columns if n.startswith(f"{passage.catenary}.support_uplift[")]

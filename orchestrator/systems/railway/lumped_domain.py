@@ -14,7 +14,7 @@ from ....components.core.errors import BadInput
 from ....components.railway.catenary import Catenary
 from ....components.railway.contact import wire_height
 from ....components.railway.lumped import SpanFit, fit_span
-from ...harness.analysis.signals import Filter, uniform, window
+from ...harness.analysis.signals import ButterworthFilter, uniform, window
 from ...harness.charts.chart import Chart, Grid, Panel, Series
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
@@ -175,7 +175,7 @@ def _errors(distributed: Result, lumped: Result, line: Catenary) -> dict[str, fl
         record = passages(result)[0].record
         rate, _, (x, force, height) = uniform(record.time, record.position, record.force, record.height)
         cut = window(x, place[0] - 1.0, place[1] + 1.0)
-        forces.append(np.interp(grid, x[cut], Filter().apply(force, rate)[cut]))
+        forces.append(np.interp(grid, x[cut], ButterworthFilter().apply(force, rate)[cut]))
         heights.append(np.interp(grid, x[cut], height[cut]))
     unloaded = np.zeros(line.mesh.mass.size)
     uplift = heights[0] - [wire_height(x, unloaded, 0, line.mesh) for x in grid]

@@ -11,7 +11,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
-from ...harness.analysis.signals import Filter
+from ...harness.analysis.signals import ButterworthFilter
 from . import RailwayKeys
 from .contact import ContactRecord, ContactStatistics
 
@@ -238,7 +238,7 @@ def _support_positions(result: Result, catenary: str, watched: list[str]) -> tup
     return tuple(track.support(first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
 
 
-def statistics(result: Result, low_pass: Filter | None = None, pantograph: int = 0) -> ContactStatistics:
+def statistics(result: Result, low_pass: ButterworthFilter | None = None, pantograph: int = 0) -> ContactStatistics:
     """Statistics of a pantograph (0: the foremost) over the scene's window; uplifts of the supports in it, ends included."""
     all_passages = passages(result)
     if not all_passages:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ....components.core.errors import BadInput
-from ...harness.analysis.signals import Filter
+from ...harness.analysis.signals import ButterworthFilter
 from ...harness.validation import Options, done
 from ...run.results import Result
 from ...run.run import run
@@ -76,6 +76,6 @@ def set_mean_run(name: str, speed: float, target: float, options: Options) -> tu
     return done(run(scaled, in_process=options.in_process, progress=options.progress)), static_force, mean
 
 
-def numbers(result: Result, low_pass: Filter | None = None) -> dict[str, float]:
+def numbers(result: Result, low_pass: ButterworthFilter | None = None) -> dict[str, float]:
     """The run's statistics by the names of the reference tables; empty if it did not reach its end."""
     return measured(statistics(result, low_pass)) if result.outcome == "done" else {}

@@ -8,7 +8,7 @@ from cosimo.orchestrator.harness.analysis.least_squares import fit
 from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
 from cosimo.orchestrator.harness.analysis.recurrence import embed, quantify, recurrence_matrix
 from cosimo.orchestrator.harness.analysis.sections import section
-from cosimo.orchestrator.harness.analysis.signals import Filter
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
 from cosimo.orchestrator.harness.analysis.spectra import follow, unwrapped
 from cosimo.tests.support import Mass
 
@@ -34,8 +34,8 @@ REFUSED = [
     (lambda: embed(np.zeros(4), 3, 2), None),
     (lambda: section(np.sin(T), TURN, T), "turns back"),
     (lambda: section(1000.0 * T, TURN, T), "Record more often"),
-    (lambda: Filter(20.0, 5, True), "even for zero phase"),
-    (lambda: Filter(20.0).apply(np.zeros(100), 40.0), "less than 20 Hz"),
+    (lambda: ButterworthFilter(20.0, 5, True), "even for zero phase"),
+    (lambda: ButterworthFilter(20.0).apply(np.zeros(100), 40.0), "less than 20 Hz"),
     (lambda: unwrapped((3.0 * np.arange(100)) % TURN), "Record more often"),
     (lambda: follow(T[:100], 125.0 * T[:100], T[:100]), "order tracking"),
 ]

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.analysis.signals import Filter, amplitude_spectrum, band, fraction_below, gaps, uniform, window
+from cosimo.orchestrator.harness.analysis.signals import (
+    ButterworthFilter,
+    amplitude_spectrum,
+    band,
+    fraction_below,
+    gaps,
+    uniform,
+    window,
+)
 from cosimo.orchestrator.systems.railway.contact import ContactRecord
 
 RATE = 1000.0
@@ -24,20 +32,20 @@ def gain(low_pass, frequency):
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 @pytest.mark.parametrize("kind", ["lowpass", "highpass"])
 def test_gain_at_the_cutoff_is_3_db_for_the_whole_filter(order, zero_phase, kind):
-    assert gain(Filter(20.0, order, zero_phase, kind), 20.0) == pytest.approx(np.sqrt(0.5), abs=TRANSIENT)
+    assert gain(ButterworthFilter(20.0, order, zero_phase, kind), 20.0) == pytest.approx(np.sqrt(0.5), abs=TRANSIENT)
 
 
 def test_order_is_that_of_the_whole_filter():
     # Bilinear transform: the analogue Butterworth on the axis tan(pi f / rate), here for a causal pass of order 6.
     ratio = np.tan(np.pi * 40.0 / RATE) / np.tan(np.pi * 20.0 / RATE)
-    assert gain(Filter(20.0, 6, False), 40.0) == pytest.approx((1 + ratio**12) ** -0.5, abs=TRANSIENT)
+    assert gain(ButterworthFilter(20.0, 6, False), 40.0) == pytest.approx((1 + ratio**12) ** -0.5, abs=TRANSIENT)
     # Two passes of order 3: gain 1 / (1 + (sqrt(2) - 1) ratio^6), the same asymptote up to the factor sqrt(2) - 1.
-    assert gain(Filter(20.0, 6, True), 40.0) == pytest.approx(1 / (1 + (np.sqrt(2) - 1) * ratio**6), abs=TRANSIENT)
+    assert gain(ButterworthFilter(20.0, 6, True), 40.0) == pytest.approx(1 / (1 + (np.sqrt(2) - 1) * ratio**6), abs=TRANSIENT)
 
 
 def test_zero_phase_does_not_shift_and_causal_delays_by_the_phase_of_butterworth():
     x = sine(10.0)
-    for low_pass, phase in ((Filter(20.0, 6, True), 0.0), (Filter(20.0, 2, False), None)):
+    for low_pass, phase in ((ButterworthFilter(20.0, 6, True), 0.0), (ButterworthFilter(20.0, 2, False), None)):
         y = low_pass.apply(x, RATE)[MIDDLE]
         measured = np.angle(np.sum(y * np.exp(-2j * np.pi * 10.0 * TIME[MIDDLE])) * 1j)
         if phase is None:  # second order: phase of 1 / (1 + sqrt(2) s + s²) on the warped axis
@@ -49,12 +57,12 @@ def test_zero_phase_does_not_shift_and_causal_delays_by_the_phase_of_butterworth
 def test_constant_passes_unchanged_from_the_first_sample():
     level = np.full(2000, 120.0)
     for zero_phase in (True, False):
-        assert Filter(20.0, 6, zero_phase).apply(level, RATE) == pytest.approx(level, abs=1e-9)  # rounding
+        assert ButterworthFilter(20.0, 6, zero_phase).apply(level, RATE) == pytest.approx(level, abs=1e-9)  # rounding
 
 
 def test_two_tones_fall_into_their_bands():
     x = 100.0 + sine(1.0, 30.0) + sine(10.0, 12.0) + sine(80.0, 50.0)
-    like = Filter()
+    like = ButterworthFilter()
     assert band(x, RATE, 0.0, 5.0, like)[MIDDLE].std() == pytest.approx(30.0 / np.sqrt(2), rel=3e-2)  # 10 Hz leaks 1/(1+.414*64)
     # 10 Hz is an octave from both edges and loses a factor 1 + (sqrt(2) - 1) / 64 in each; 1e-3: warping of the two octaves
     assert band(x, RATE, 5.0, 20.0, like)[MIDDLE].std() == pytest.approx(12.0 / np.sqrt(2) / (1 + 0.4142 / 64) ** 2, rel=1e-3)

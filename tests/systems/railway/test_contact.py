@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import WireOnMesh, node_compliance
-from cosimo.orchestrator.harness.analysis.signals import Filter
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
@@ -203,7 +203,7 @@ def test_filtered_force_is_within_a_percent_of_the_sine_series(name, speed):
     reference = passage(line, Head(), v, 30.0, seconds, 3600, 5e-4)
     grid = np.linspace(2.0 * line.span, 4.0 * line.span, 2401)
     histories = [
-        np.interp(grid, x, Filter().apply(force, rate))
+        np.interp(grid, x, ButterworthFilter().apply(force, rate))
         for x, force, rate in (
             (result["pantograph.contact_position"], result["pantograph.contact_force"], 1.0 / scene.master.step),
             (reference[1], reference[2], 2000.0),
@@ -219,7 +219,7 @@ def test_sine_series_converges():
 
     def history(modes, step):
         force = passage(Line(spans=4), Head(), 69.4, 30.0, 2.5, modes, step)[2]
-        return Filter().apply(force, 1.0 / step)[:: round(1e-3 / step)][500:]
+        return ButterworthFilter().apply(force, 1.0 / step)[:: round(1e-3 / step)][500:]
 
     coarse, middle, fine = history(1200, 1e-3), history(2400, 5e-4), history(4800, 5e-4)
     assert np.std(middle - fine) < 0.002 * fine.std()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter, uniform
 from cosimo.orchestrator.harness.validation.case import compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import load_scene
@@ -35,7 +35,7 @@ def filtered(result, keep=1):
     """20 Hz-filtered force over spans 5 and 6, N, from every `keep`-th sample."""
     record = passages(result)[0].record
     rate, _, (position, force) = uniform(record.time[::keep], record.position[::keep], record.force[::keep])
-    return np.interp(np.linspace(240.0, 360.0, 1201), position, Filter().apply(force, rate))
+    return np.interp(np.linspace(240.0, 360.0, 1201), position, ButterworthFilter().apply(force, rate))
 
 
 def test_error_of_the_railway_pair_is_less_than_half_of_gauss_seidel():

@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.moving_window import BEHIND, ENOUGH, FASTEST_NODE, LARGEST, echo, width
 from cosimo.components.railway.wires import state_rows
-from cosimo.orchestrator.harness.analysis.signals import Filter
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.shorter_steps import shorter
@@ -37,7 +37,7 @@ def error(scene, other):
     kept, rate = whole.time > 0.4 * whole.end, 1.0 / whole.time[1]
     errors = []
     for name in (n for n in whole.columns if n.endswith("contact_force") and "catenary" not in n):
-        x, y = (Filter().apply(result[name], rate)[kept] for result in (whole, near))
+        x, y = (ButterworthFilter().apply(result[name], rate)[kept] for result in (whole, near))
         if x.std() > 0.0:
             errors.append(float(np.sqrt(np.mean((x - y) ** 2)) / x.std()))
     return max(errors), near

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from cosimo.orchestrator.harness.analysis.signals import Filter
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
 from cosimo.orchestrator.systems.railway.figures.passage import FRAMES, passage_figure
 from cosimo.orchestrator.systems.railway.records import passages
 from cosimo.tests.systems.railway.made_up import made_up_run
@@ -26,12 +26,12 @@ def with_profiles(slack_at: float):
 
 def test_no_picture_without_the_profiles():
     run = made_up_run()
-    assert passage_figure(run, passages(run)[0], Filter()) is None
+    assert passage_figure(run, passages(run)[0], ButterworthFilter()) is None
 
 
 def test_wires_droppers_and_force_are_where_they_were_recorded():
     run = with_profiles(slack_at=330.0)  # the middle dropper of span 6
-    figure = passage_figure(run, passages(run)[0], Filter())
+    figure = passage_figure(run, passages(run)[0], ButterworthFilter())
     assert figure is not None
     frames = figure.figure["frames"]
     assert 2 <= len(frames) <= FRAMES

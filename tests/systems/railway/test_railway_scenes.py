@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter, uniform
 from cosimo.orchestrator.harness.validation.case import compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import load_scene
@@ -38,7 +38,7 @@ def force(result):
     """20 Hz-filtered force over spans 5 and 6 on a fixed grid of positions, N."""
     record = passages(result)[0].record
     rate, _, (position, contact) = uniform(record.time, record.position, record.force)
-    return np.interp(np.linspace(240.0, 360.0, 1201), position, Filter().apply(contact, rate))
+    return np.interp(np.linspace(240.0, 360.0, 1201), position, ButterworthFilter().apply(contact, rate))
 
 
 def deviation(a, b):
@@ -128,7 +128,7 @@ def test_the_wake_reaches_the_trailing_pantograph():
     for result, k in ((both, 1), (alone, 0)):
         record = passages(result)[k].record
         rate = 1.0 / (record.time[1] - record.time[0])
-        histories.append(np.interp(grid, record.position, Filter().apply(record.force, rate)))
+        histories.append(np.interp(grid, record.position, ButterworthFilter().apply(record.force, rate)))
     assert deviation(*histories) > 0.15
 
 

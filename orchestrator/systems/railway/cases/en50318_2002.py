@@ -6,7 +6,7 @@ import math
 from itertools import chain
 from typing import Any
 
-from ....harness.analysis.signals import Filter
+from ....harness.analysis.signals import ButterworthFilter
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Table, compare, load_table
 from ....opened.compile_ahead import compile_ahead, wanted_by
@@ -112,7 +112,7 @@ def _filtered(results: dict[str, Any], table: Table) -> list[tuple[str | float, 
     rows: list[tuple[str | float, ...]] = []
     for zero_phase in (True, False):
         for order in (2, 4, 6, 8):
-            low_pass = Filter(20.0, order, zero_phase)
+            low_pass = ButterworthFilter(20.0, order, zero_phase)
             of_speed = {v: numbers(results[condition(v)], low_pass) for v in SPEEDS}
             name = str(low_pass).partition(" low pass, ")[2].partition(", -3")[0]
             rows.append((name, *_line(of_speed, ("std", "max", "min")), _inside(table, of_speed)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .....components.railway.contact import wire_height
-from ....harness.analysis.signals import Filter, uniform, window
+from ....harness.analysis.signals import ButterworthFilter, uniform, window
 from ....harness.validation import Evidence, Runs, done
 from ....harness.validation.reference import Row, TableRow
 from ....run.results import Result
@@ -32,7 +32,7 @@ def measure(runs: Runs) -> Evidence:
     rows = [_mean_row(statistics, v) for v in SPEEDS] + [_static_row(results[DISTRIBUTED][SLOW], results[LUMPED][SLOW])]
     names = ("mean", "std", "std_0_5", "std_5_20", "max", "min", "height_range_mm", "uplift_mm")
     drawn: dict[str, Any] = {
-        "filter": str(Filter()),
+        "filter": str(ButterworthFilter()),
         "models": [(name, f"{v:g}", *(s[n] for n in names)) for name, of in statistics.items() for v, s in of.items()],
         **{f"{name}.{n}": statistics[name][SPEEDS[0]][n] for name in results for n in ("std", "std_5_20")},
     }
@@ -85,7 +85,7 @@ def _in_window(result: Result) -> tuple[np.ndarray, np.ndarray]:
 
 def _overlay(results: Mapping[str, Mapping[float, Result]], speed: float) -> dict[str, Any]:
     """Filtered contact force and height of the contact point over its position in the window, by model."""
-    low_pass = Filter()
+    low_pass = ButterworthFilter()
     drawn: dict[str, Any] = {f"force.{speed:g}": {}, f"height.{speed:g}": {}}
     for name, of_speed in results.items():
         passage: Passage = passages(of_speed[speed])[0]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .....components.core.errors import BadInput
 from ....harness.analysis.records import RecordedUnit
-from ....harness.analysis.signals import Filter
+from ....harness.analysis.signals import ButterworthFilter
 from ....harness.charts.blocks import Block, Figure, Sketch, Text
 from ....harness.report.windows import fault_windows, shaded
 from ..line import svg
@@ -56,12 +56,12 @@ def line_sketches(result: Result) -> list[Sketch]:
     return sketches
 
 
-def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = None) -> list[Figure]:
+def figures(result: Result, rows: Sequence[Row] = (), low_pass: ButterworthFilter | None = None) -> list[Figure]:
     """All figures the run has the data for; none if no contact force was recorded."""
     all_passages = passages(result)
     if not all_passages:
         return []
-    low_pass = low_pass or Filter()
+    low_pass = low_pass or ButterworthFilter()
     candidates: list[Figure | None] = [_with_faults(result, all_passages, force_figure(result, all_passages, rows, low_pass))]
     if all_passages[0].supports:
         candidates.append(uplift_figure(result, all_passages, rows))

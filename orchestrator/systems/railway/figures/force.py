@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....harness.analysis.signals import Filter, amplitude_spectrum, uniform, window
+from ....harness.analysis.signals import ButterworthFilter, amplitude_spectrum, uniform, window
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
@@ -43,7 +43,7 @@ SAMPLES = 16  # below which a spectrum shows nothing
 HIGHEST = 35.0  # Hz, end of the spectrum's axis: the band of the filter and something beyond
 
 
-def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], low_pass: Filter) -> Figure:
+def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], low_pass: ButterworthFilter) -> Figure:
     """Contact force against position: raw thin, filtered strong; beside it where the numbers lie in their ranges."""
     start, end = analysis_window(result)
     track = track_of(result)
@@ -115,7 +115,7 @@ def _closed(row: Row) -> bool:
     return row.reference.low is not None and row.reference.high is not None
 
 
-def _force_traces(passages: list[Passage], low_pass: Filter) -> tuple[list[dict[str, Any]], bool]:
+def _force_traces(passages: list[Passage], low_pass: ButterworthFilter) -> tuple[list[dict[str, Any]], bool]:
     data, thinned = [], False
     for i, p in enumerate(passages):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
@@ -174,7 +174,7 @@ def _dot(i: int, row: Row) -> dict[str, Any]:
     }
 
 
-def spectrum_figure(result: Result, passages: list[Passage], low_pass: Filter) -> Figure | None:
+def spectrum_figure(result: Result, passages: list[Passage], low_pass: ButterworthFilter) -> Figure | None:
     """Amplitude spectrum of the unfiltered contact force, with the frequencies of passing spans and droppers.
 
     None for a run that ends before it has passed a whole span behind its run-in.

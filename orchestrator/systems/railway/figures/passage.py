@@ -9,7 +9,7 @@ import numpy as np
 
 from .....components.railway.line.form import Form
 from ....harness.analysis.records import RecordedUnit
-from ....harness.analysis.signals import Filter, uniform
+from ....harness.analysis.signals import ButterworthFilter, uniform
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axis, label, layout, line, tint, vertical
 from ..records import Passage, Track, analysis_window, track_of
@@ -24,7 +24,7 @@ WIDE = 900.0  # px of the panel on a usual page, for the scale in the caption
 PICTURE, LINE_SHARE = 560, 0.5  # px of the figure, share of it that the line has
 
 
-def passage_figure(result: Result, passage: Passage, low_pass: Filter) -> Figure | None:
+def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter) -> Figure | None:
     """Both wires, droppers and the force at chosen times, to be played; None without the profiles of both wires in the window."""
     names = [
         f"{passage.catenary}.{n}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .....harness.analysis.signals import Filter, uniform, window
+from .....harness.analysis.signals import ButterworthFilter, uniform, window
 from .....harness.validation import Evidence, Runs
 from .....harness.validation.reference import compare, load_table
 from .....run.results import Result
@@ -71,7 +71,7 @@ def filtered(result: Result) -> tuple[np.ndarray, np.ndarray]:
     record = passages(result)[0].record
     rate, _, (x, force) = uniform(record.time, record.position, record.force)
     cut = window(x, *analysis_window(result))
-    return x[cut], Filter().apply(force, rate)[cut]
+    return x[cut], ButterworthFilter().apply(force, rate)[cut]
 
 
 def _rows(of_speed: dict[float, dict[str, float]]) -> list[tuple[str | float, ...]]:
