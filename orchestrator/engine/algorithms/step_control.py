@@ -27,7 +27,7 @@ NEGLIGIBLE = 1e-9  # an error that cannot be distinguished from none
 INTERPOLATED_MISS = 0.1  # of the predictor's miss: an input that ended nearer to its value was interpolated
 
 
-class Estimate(Protocol):
+class StepErrorEstimate(Protocol):
     """How a step's error is found. `prepare` comes before the step, `measure` after it."""
 
     def prepare(self, h: float) -> None:

@@ -12,7 +12,7 @@ from ...units.kinds import kinds_of
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.node import Node
-from ..algorithms.step_control import Controller, Doubling, Estimate, Milne
+from ..algorithms.step_control import Controller, Doubling, Milne, StepErrorEstimate
 from ..coupling import Coupling
 from ..coupling.graph import Endpoint, is_discrete
 from .clock import Clock
@@ -104,7 +104,7 @@ class AdaptiveStepping(Stepping):
         *,
         restarts: Sequence[Action] = (),
         control: Controller | None = None,
-        estimate: Estimate | None = None,
+        estimate: StepErrorEstimate | None = None,
         crossings: Crossings | None = None,
         early: Sequence[Node] = (),
         resolution: int = 1,
@@ -333,7 +333,7 @@ def stepping_of(
     )
 
 
-def _estimate(settings: ControlSettings, coupling: Coupling, master: Master) -> Estimate:
+def _estimate(settings: ControlSettings, coupling: Coupling, master: Master) -> StepErrorEstimate:
     if settings.method == "doubling":
         return Doubling(master, coupling, settings)
     return Milne(master, coupling, settings)
