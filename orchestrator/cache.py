@@ -14,7 +14,7 @@ from ..components.core.errors import BadInput, nearest
 from ..components.core.folders import cache_root
 
 # of the folders in the cache: nothing else there is looked at, which the user may have pointed anywhere
-KINDS = {
+CACHED = {
     "kernels": "machine code of components",
     "fmus": "FMUs of components",
     "bundles": "sources of FMUs, unpacked",
@@ -51,7 +51,7 @@ def entries() -> list[Entry]:
     """What there is, kind by kind."""
     return [
         Entry(kind, meaning, len(sizes), sum(sizes))
-        for kind, meaning in KINDS.items()
+        for kind, meaning in CACHED.items()
         for sizes in [[status.st_size for _, status in _files(root() / kind)]]
     ]
 
@@ -60,10 +60,10 @@ def clear(kinds: Iterable[str] = ()) -> int:
     """Remove all of some kinds, or of all kinds; returns the bytes that went. Raises `BadInput` for an unknown kind."""
     kinds = list(kinds)
     for kind in kinds:
-        if kind not in KINDS:
-            raise BadInput("cache", repr(kind), "a kind of what is kept", nearest(kind, KINDS))
+        if kind not in CACHED:
+            raise BadInput("cache", repr(kind), "a kind of what is kept", nearest(kind, CACHED))
     before = _size()
-    for kind in kinds or KINDS:
+    for kind in kinds or CACHED:
         shutil.rmtree(root() / kind, ignore_errors=True)
     return before - _size()
 
@@ -74,7 +74,7 @@ def prune(days: float) -> int:
     Returns the bytes that went.
     """
     before, now = _size(), time()
-    for kind in KINDS:
+    for kind in CACHED:
         for unit in _units(root() / kind):
             files = [*_files(unit)] if unit.is_dir() else [(unit, unit.stat())]
             if all(now - max(s.st_mtime, s.st_atime) > 86400.0 * days for _, s in files):
@@ -86,7 +86,7 @@ def prune(days: float) -> int:
 def tidy() -> None:
     """Remove what processes that were killed have left behind: files that were never put in place."""
     now = time()
-    for kind in KINDS:
+    for kind in CACHED:
         for path, status in _files(root() / kind):
             if now - status.st_mtime > LEFT_BEHIND and (path.suffix == ".part" or ".tmp." in path.name):
                 with suppress(OSError):

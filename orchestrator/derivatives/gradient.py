@@ -21,7 +21,7 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ..opened.open_scene import OpenScene
 from ..output import write_table
 from ..run.comparison import SURE
-from ..run.figures import KINDS, Figures, after_transient, key_results
+from ..run.figures import STATISTICS, Figures, after_transient, key_results
 from ..run.results import Result
 from ..run.run import run
 from ..scene.names import numerical_of, place_of
@@ -31,7 +31,7 @@ from .along import AGREE, along, length
 from .tangent_block import TangentBlock
 from .tangent_run import TangentRows, beside, tangent_run
 
-STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {**KINDS, "last": lambda values: values[-1]}
+STATISTICS_AND_LAST: dict[str, Callable[[np.ndarray], Any]] = {**STATISTICS, "last": lambda values: values[-1]}
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
 CLOSE = 1e-9  # to a boundary, relative to the parameter: derivatives there are those of its side
 SAID = 0.05  # of a derivative: runs that resolve no more say nothing of one that counts
@@ -110,7 +110,7 @@ def gradient(
 ) -> Gradient:
     """Derivatives of figures by parameters.
 
-    of: figures of the summary, "unit.output, kind" with a kind of `STATISTICS`, or a function of a `Result`; default: the summary.
+    of: figures of the summary, "unit.output, kind" with a kind of `STATISTICS_AND_LAST`, or a function of a `Result`; default: the summary.
     by: real parameters, and inputs that nothing drives; default: all.  differences: by runs with so large a relative change instead,
     for scenes that have no derivatives.  halved: errors by derivatives with half of all steps.  Raises `BadInput`, `StepFailed`.
     """
@@ -146,17 +146,17 @@ def _figures(of: Sequence[str] | Own | None) -> Measure:
         return lambda result: Figures.of((name, *number) for name, number in of(result).items())
 
     def figures(result: Result) -> Figures:
-        statistics = all(name.rpartition(",")[2].strip() in STATISTICS for name in of)
+        statistics = all(name.rpartition(",")[2].strip() in STATISTICS_AND_LAST for name in of)
         summary = Figures() if statistics else key_results(result)
         chosen = Figures()
         for name in of:
             signal, _, kind = (part.strip() for part in name.partition(","))
             if name in summary:
                 chosen.add([(name, summary[name], summary.units[name])])
-            elif kind in STATISTICS:
-                chosen.add([(name, STATISTICS[kind](result[signal][after_transient(result)]), result.measures[signal])])
+            elif kind in STATISTICS_AND_LAST:
+                chosen.add([(name, STATISTICS_AND_LAST[kind](result[signal][after_transient(result)]), result.measures[signal])])
             else:
-                known = [*summary, *(f"{s}, {k}" for s in result.columns for k in STATISTICS)]
+                known = [*summary, *(f"{s}, {k}" for s in result.columns for k in STATISTICS_AND_LAST)]
                 raise BadInput(f"gradient of {result.scene.name}", repr(name), "a figure", nearest(name, known))
         return chosen
 

@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
-from ..run.figures import KINDS, Figures, after_transient, known_results
+from ..run.figures import STATISTICS, Figures, after_transient, known_results
 from ..run.results import Result
 from ..run.run_record import RunRecord, UnitRecord
 from ..scene.names import displaced
@@ -45,8 +45,8 @@ def kind_of(scene: Scene, figure: str, where: str) -> tuple[str, str]:
     """The signal and the kind of "unit.output, kind"; raises `BadInput`."""
     signal, _, kind = (part.strip() for part in figure.rpartition(","))
     known = [".".join(end) for end in scene.coupling.signals]
-    if signal not in known or kind not in KINDS:
-        expected = f'"unit.output, kind" of a recorded output, with a kind of {", ".join(KINDS)}'
+    if signal not in known or kind not in STATISTICS:
+        expected = f'"unit.output, kind" of a recorded output, with a kind of {", ".join(STATISTICS)}'
         raise BadInput(f"{where}: figures", repr(figure), expected, nearest(signal, known) if signal not in known else "")
     return signal, kind
 
@@ -71,7 +71,7 @@ def figure_bands(filtered: FilteredScene, track: Track, where: str) -> tuple[Fig
         result = _path(filtered, base, ends, values[:, :, s], numbers)
         rows = after_transient(result)
         figures = known_results(result)
-        figures.add((name, KINDS[kind](result[signal][rows]), units[signal]) for name, signal, kind in wanted)
+        figures.add((name, STATISTICS[kind](result[signal][rows]), units[signal]) for name, signal, kind in wanted)
         of_paths.append(figures)
     bands = []
     for name, unit in of_paths[0].units.items():

@@ -18,7 +18,7 @@ import numpy as np
 from ...components.core.errors import BadInput
 from .results import Result
 
-KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
+STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
     "minimum": np.min,
     "maximum": np.max,
     "mean": np.mean,

@@ -12,7 +12,7 @@ from ..engine.algorithms.energy import Sums
 from .thresholds import BEYOND, BLOCKS, FEWEST_ROWS, HARDLY, MISSED, NOTHING, OVERSHOT, RISE
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
-KINDS = 3  # of blocks: the longest are for slow growth
+LENGTHS = 3  # of blocks: the longest are for slow growth
 LAST = LOOKS * BLOCKS  # looks that are judged at the end, and longer ends up to the whole run, in as many parts as
 PARTS = 4
 OF_WHOLE = 160  # rows of the whole run, and up to twice as many
@@ -104,9 +104,9 @@ class LookRecord:
     @classmethod
     def nothing(cls, nominal: np.ndarray, energies: np.ndarray | None, before: Sums | None) -> LookRecord:
         """Before the first look. nominal: of the inputs, energies: of bonds, W; before: sums of these."""
-        bonds = () if energies is None else tuple(Blocks.of(energies, LOOKS if k else 1) for k in range(KINDS))
+        bonds = () if energies is None else tuple(Blocks.of(energies, LOOKS if k else 1) for k in range(LENGTHS))
         none = np.zeros((0, 2, nominal.size))
-        blocks = (Blocks.of(nominal, LOOKS),) * KINDS
+        blocks = (Blocks.of(nominal, LOOKS),) * LENGTHS
         return cls(blocks, bonds, before, none, none, None, 0, np.zeros((3, nominal.size)))
 
     @property

@@ -12,7 +12,7 @@ from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive, Time, Tolerances
 
 TABLE_KEYS = ("interpolation", "outside", "start")  # of a table of signals: parameters, which are written as keys of the unit
-KINDS = {
+KIND_NAMES = {
     "component": "a component",
     "fmu": "an FMU given by its path",
     "signals": "a table of signals",
@@ -105,7 +105,7 @@ class UnitSettings(Model):
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
         component = "" if self.signals else self.component  # that of a table is made when the scene is read
-        given = [k for k, value in zip(KINDS, (component, self.fmu, self.signals), strict=True) if value]
+        given = [k for k, value in zip(KIND_NAMES, (component, self.fmu, self.signals), strict=True) if value]
         if len(given) != 1:
             actual = f"both {' and '.join(given)}" if given else "neither component nor fmu nor signals"
             remedy = 'Write component = "Name", fmu = "path/to/file.fmu" or signals = "path/to/table.csv".'
@@ -113,9 +113,9 @@ class UnitSettings(Model):
         (kind,) = given
         for key, kinds in OF_KINDS.items():
             if kind not in kinds and getattr(self, key) != type(self).model_fields[key].default:
-                known = " or ".join(KINDS[k] for k in kinds)
+                known = " or ".join(KIND_NAMES[k] for k in kinds)
                 remedy = "Give its parameters instead." if (key, kind) == ("preset", "fmu") else "Remove it."
-                raise BadInput(key, f"no effect for {KINDS[kind]}, only for {known}", "", remedy)
+                raise BadInput(key, f"no effect for {KIND_NAMES[kind]}, only for {known}", "", remedy)
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):
             raise BadInput(
                 "isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class", 'Write "process".'

@@ -30,7 +30,7 @@ if TYPE_CHECKING:  # a run without FMUs loads no FMPy
 DESCRIPTION = "modelDescription.xml"
 OWN_TOOL = "cosimo "  # what FMUs of our making say of their tool, before the version
 FAULTY = "The FMU's model description is faulty."
-KINDS: dict[str, Kind] = {
+SIGNAL_KINDS: dict[str, Kind] = {
     "Real": "real",
     "Boolean": "boolean",
     "String": "string",
@@ -55,7 +55,7 @@ class Scalar:
     def kind(self) -> Kind:
         """Kind of its values."""
         type_ = self.variable.type
-        return KINDS.get(type_) or ("real" if type_.startswith("Float") else "integer")
+        return SIGNAL_KINDS.get(type_) or ("real" if type_.startswith("Float") else "integer")
 
     @property
     def nominal(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from cosimo.orchestrator.units.kinds import KEYS, KINDS
+from cosimo.orchestrator.units.kinds import KEYS, UNIT_KINDS
 from cosimo.tests.architecture.test_imports import ROOT, modules
 
 FOLDER = ROOT / "orchestrator" / "units" / "kinds"
@@ -84,5 +84,5 @@ def test_few_files_ask_what_a_unit_is():
 
 
 def test_a_kind_is_a_module_and_a_line():
-    assert len({kind.__module__ for kind in KINDS}) == len(KINDS)
-    assert all(kind.key in KEYS and kind.__doc__ for kind in KINDS)
+    assert len({kind.__module__ for kind in UNIT_KINDS}) == len(UNIT_KINDS)
+    assert all(kind.key in KEYS and kind.__doc__ for kind in UNIT_KINDS)

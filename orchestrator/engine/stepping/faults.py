@@ -16,7 +16,7 @@ from ..coupling import Coupling
 from .clock import Clock
 from .loop import Action
 
-KINDS = {"override": OVERRIDE, "offset": OFFSET, "freeze": FROZEN, "drop": DROPPED, "lost": LOST}
+FAULT_CODES = {"override": OVERRIDE, "offset": OFFSET, "freeze": FROZEN, "drop": DROPPED, "lost": LOST}
 
 
 def edges(faults: Iterable[FaultSettings], start: float) -> list[float]:
@@ -38,7 +38,7 @@ class Faults:
             for node in master.nodes
             for k, link in enumerate(node.links)
         }
-        memory.faults["kind"] = [KINDS[fault.kind] for fault in faults]
+        memory.faults["kind"] = [FAULT_CODES[fault.kind] for fault in faults]
         memory.faults["value"] = [fault.value or 0.0 for fault in faults]
         memory.faults["unit"] = [master.node_of[fault.unit].index if fault.unit else -1 for fault in faults]
         ends = [end for of_fault in coupling.faults for end in of_fault]

@@ -6,14 +6,14 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ...run.figures import KINDS
+from ...run.figures import STATISTICS
 from ...scene.scene import Scene
 from ..analysis.signals import ButterworthFilter, sections
 from ..studies.quantities import EDGE, quantities_of
 
 MOST = 12  # figures of a scene without a system that knows better
 OF_THE_SIGNAL = (
-    *KINDS,
+    *STATISTICS,
     "end",
     "mean + 3 σ",
     "mean - 3 σ",

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from ....components.core.errors import BadInput, nearest
-from ...run.figures import KINDS
+from ...run.figures import STATISTICS
 from ...scene.scene import Scene
 from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted
@@ -45,7 +45,7 @@ def check_columns(task: Task, names: Iterable[str], where: str) -> bool:
     a function of one's own, are known from the first run on."""
     scene, all_known = task.scene(), True
     known = [q.name for q in quantities_of(scene) if q.kind != "time history"] if scene.study.quantities else []
-    statistics = [f"{'.'.join(end)}, {kind}" for end in scene.coupling.signals for kind in KINDS]
+    statistics = [f"{'.'.join(end)}, {kind}" for end in scene.coupling.signals for kind in STATISTICS]
     known += statistics if task.keep.statistics else []
     for name in names:
         figure = ", " not in name and task.summarize is not None and bool(scene.analysis.system)

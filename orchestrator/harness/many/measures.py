@@ -12,7 +12,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, pick
 from ...run.dependence import depends_on, source_of
-from ...run.figures import KINDS, Figures, after_transient
+from ...run.figures import STATISTICS, Figures, after_transient
 from ...run.instability import unfollowed
 from ...run.results import Result
 from ...scene.scene import KnownSystems, Scene, read_scene
@@ -148,7 +148,7 @@ def _statistics(result: Result, task: Task) -> Numbers:
     if task.keep.statistics:
         kept = after_transient(result)
         for name, column in result.columns.items():
-            for kind, function in KINDS.items():
+            for kind, function in STATISTICS.items():
                 yield f"{name}, {kind}", function(column[kept]), result.measures[name]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...run import work
-from ...run.figures import KINDS
+from ...run.figures import STATISTICS
 from ...run.thresholds import WARN
 from ...scene.shorter_steps import runs_with
 from ..summary import with_error
@@ -149,7 +149,7 @@ def _scales(numbers: Mapping[str, np.ndarray]) -> dict[str, float]:
     signals: dict[str, float] = {}
     for name, size in sizes.items():
         signal, _, kind = name.rpartition(", ")
-        if kind in KINDS:
+        if kind in STATISTICS:
             signals[signal] = max(signals.get(signal, 0.0), size)
     return {n: max(size, signals.get(n.rpartition(", ")[0], 0.0), np.finfo(float).tiny) for n, size in sizes.items()}
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...run.results import Result
     from ..validation.case import Row
 
-KINDS = {"in process": "components in process", "FMU": "FMUs"}
+UNITS_IN_WORDS = {"in process": "components in process", "FMU": "FMUs"}
 SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
 UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
@@ -184,7 +184,7 @@ def units_and_connections(result: Result) -> list[Sketch | Text]:
 def run_line(result: Result) -> str:
     """The run in one line: step, master, packaging, cost."""
     info, master = result.info, result.scene.master
-    kinds = sorted({KINDS.get(u.kind, u.kind) for u in info.units.values()} - {""})
+    kinds = sorted({UNITS_IN_WORDS.get(u.kind, u.kind) for u in info.units.values()} - {""})
     steps = f"at {1e3 * master.step:g} ms" if master.control is None else f"with controlled steps ({master.control.method})"
     parts = [f"{master.algorithm} {steps}, extrapolation of degree {master.extrapolation}"]
     if kinds:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...run.figures import KINDS
+from ...run.figures import STATISTICS
 from ..charts.blocks import Block, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Picture, Series
 from ..charts.charts import draw_chart
@@ -65,7 +65,7 @@ def table_of(sweep: Sweep) -> Table:
 
 def shown(sweep: Sweep) -> list[str]:
     """Measures with limits, then figures, quantities and own functions, then maxima; those that are the same everywhere last."""
-    own = [n for n in sweep.measures if n.rpartition(", ")[2] not in KINDS]
+    own = [n for n in sweep.measures if n.rpartition(", ")[2] not in STATISTICS]
     extremes = [n for n in sweep.measures if n.endswith((", maximum", ", minimum"))]
     names = dict.fromkeys([*(n for n in sweep.plan.limits if n in sweep.measures), *own, *extremes])
     done = sweep.done

@@ -16,7 +16,7 @@ from math import inf, isfinite
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...run.figures import KINDS
+from ...run.figures import STATISTICS
 from ...run.results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
@@ -63,8 +63,8 @@ class Quantity:
             return float("nan")
         if self.kind == "end":
             return float(x[-1])
-        if self.kind in KINDS:
-            return float(KINDS[self.kind](x))
+        if self.kind in STATISTICS:
+            return float(STATISTICS[self.kind](x))
         rate, _, (even,) = uniform(time, x)
         return amplitude_at(even, rate, self.frequency)
 

@@ -17,7 +17,7 @@ MEANINGS = {
     "contradicted": "a measured row says the opposite",
     CONSTRUCTION: "what is announced is an assumption of the model, so that no row of it could fail; it is not counted as shown",
 }
-KINDS = ("model", "finding")
+CLAIM_KINDS = ("model", "finding")
 ROLES = ("supports", "limits", "contradicts", CONSTRUCTION)
 _TEXTS = ("number", "kind", "announced", "verdict")
 _OPTIONAL = ("criterion", "discussion", "shown_by", "missing")
@@ -58,7 +58,7 @@ def _claim(where: str, entry: Mapping[str, Any]) -> Claim:
         if not isinstance(entry.get(key), str):
             raise BadInput(where, f"{key} = {entry.get(key)!r}", "a text")
     claim = Claim(**{**entry, "shown_by": tuple(entry.get("shown_by", ()))})
-    for key, value, known in (("verdict", claim.verdict, VERDICTS), ("kind", claim.kind, KINDS)):
+    for key, value, known in (("verdict", claim.verdict, VERDICTS), ("kind", claim.kind, CLAIM_KINDS)):
         if value not in known:
             raise BadInput(where, f"{key} = {value!r}", "one of " + ", ".join(known))
     if claim.kind == "finding" and not claim.criterion:

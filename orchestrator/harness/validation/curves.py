@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...run.figures import STATISTICS
 from ...run.instants import at_instants
 from ...scene.measured import FEWEST, Measured
 from ...settings.case import CurveSettings
@@ -19,12 +20,6 @@ if TYPE_CHECKING:
     from ...scene.scene import Scene
 
 EDGE = 2.0  # periods of the cut-off at either end, which a filter distorts
-STATISTICS: Mapping[str, Callable[[np.ndarray], Any]] = {
-    "mean": np.mean,
-    "standard deviation": np.std,
-    "maximum": np.max,
-    "minimum": np.min,
-}
 EMPTY, OUTSIDE = "without a number", "outside of the run"
 COARSER = 3.0  # a spacing twice as wide changes a curve with kinks by at least so many times what the spacing itself leaves open
 SHOWN = (

@@ -14,7 +14,7 @@ from ....components.core.variables import Variable
 from ..interface import Interface, Kind, Signal, Simulator, Span
 from .kind import UnitKind
 
-KINDS: dict[VariableKind, Kind] = {
+SIGNAL_KINDS: dict[VariableKind, Kind] = {
     VariableKind.REAL: "real",
     VariableKind.INTEGER: "integer",
     VariableKind.BOOLEAN: "boolean",
@@ -67,7 +67,7 @@ class ComponentKind(UnitKind):
                     0.0,
                     v.nominal,
                     tuple(i for i in component.inputs if _feeds(i, v.feedthrough)),
-                    KINDS[v.kind],
+                    SIGNAL_KINDS[v.kind],
                     component.is_discrete(n),
                 )
                 for n in component.outputs

@@ -16,7 +16,7 @@ from cosimo.orchestrator.harness.studies.quantities import (
     recording,
 )
 from cosimo.orchestrator.harness.studies.trial import Trial
-from cosimo.orchestrator.run.figures import KINDS
+from cosimo.orchestrator.run.figures import STATISTICS
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.interface import Signal
@@ -39,7 +39,7 @@ def quantity(kind, **more):
 
 
 def test_kinds_of_sweeps_are_kinds_of_quantities():
-    assert set(KINDS) < set(QUANTITY_KINDS)
+    assert set(STATISTICS) < set(QUANTITY_KINDS)
 
 
 @pytest.mark.parametrize(
