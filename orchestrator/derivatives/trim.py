@@ -30,7 +30,7 @@ INSIDE, SURE = 1e-7, 1e-11  # of the sizes: what residuals may leave, and what t
 ASIDE = 1e-9  # of the largest move: a heading that nothing holds is known to rounding only, and leads a motion aside by it
 ACTS = 1e-13  # derivatives below are none
 WORDS = {True: "stable", False: "unstable", None: "not known"}
-LEAST = 1e-3  # size of what is judged: smaller numbers may be rounding
+SMALLEST_SIZE = 1e-3  # size of what is judged: smaller numbers may be rounding
 GROWS = 1e-9  # of an eigenvalue beyond 1: more than rounding
 SEEN_ON = 3  # further common periods in which it has to stay
 
@@ -267,14 +267,14 @@ class _Search:
         self._equations(np.concatenate([z, p]))
         seen = (np.abs(self._by_outputs) > ACTS).any(axis=0)
         far = np.abs(self._moves) > np.maximum(
-            SURE * np.maximum(solution.size[:n], LEAST), ASIDE * np.abs(self._moves).max(initial=0.0)
+            SURE * np.maximum(solution.size[:n], SMALLEST_SIZE), ASIDE * np.abs(self._moves).max(initial=0.0)
         )
         moves = {int(k): float(self._moves[k] / period) for k in np.flatnonzero(far & seen)}
         if refused := [f"{self._alias(k)} by {rate:.6g} per s" for k, rate in moves.items() if not self._may_move(k)]:
             remedy = "It acts on nothing else: it may be left out with moving (--moving)."
             raise BadInput(self.where, f"{', '.join(refused)} moves on", "a state that keeps", remedy)
         after = self.map.run(z, step.steps * SEEN_ON)
-        size = np.maximum(solution.size[:n], LEAST)
+        size = np.maximum(solution.size[:n], SMALLEST_SIZE)
         self.map.run(z)
         remarks: list[str] = []
         try:

@@ -29,7 +29,7 @@ FEWEST = 16  # macro steps of a stretch
 WARM = 3  # macro steps, which fill the histories of the inputs with samples of one distance
 MOST = 400  # states of units whose Jacobian is worth its time
 ACCURACY = 1.01, 1.0 + 1e-9  # of a limit: of growth along the run, of an eigenvalue
-LEAST = 36.0  # macro steps of a run for which a limit is looked for
+FEWEST_STEPS = 36.0  # macro steps of a run for which a limit is looked for
 SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
 ROUNDING = 1e-9  # of an absolute eigenvalue
 
@@ -60,7 +60,7 @@ class CouplingStability:
         """The longest macro step of those that the run has room for."""
         step, least = self.scene.master.step, self.scene.master.step / SHORTEST
         if self.constant:
-            return longest_stable(self.grows, least, least, max(step, self.scene.duration / LEAST), ACCURACY[True])
+            return longest_stable(self.grows, least, least, max(step, self.scene.duration / FEWEST_STEPS), ACCURACY[True])
         return longest_stable(self.grows, step, least, max(self.most, least), ACCURACY[False])
 
     @property

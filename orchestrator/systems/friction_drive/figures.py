@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 DEGREES = 180.0 / np.pi
 SCALES = {"feed": (1e3, "mm"), "rotation": (DEGREES, "degrees")}
 FINE = {"feed": (1e6, "µm"), "rotation": (DEGREES, "degrees")}
-LEAST = 0.2  # of the run, that a drive is at rest at its end, to be looked at
+SHORTEST_REST = 0.2  # of the run, that a drive is at rest at its end, to be looked at
 NOTICED = 0.01  # of its band, up to which an error is none
 QUANTITIES = (("rate", "rate of the wheel, rad/s"), ("voltage", "voltage, V"), ("current", "current, A"),
               ("torque", "load at the wheel, N.m"))  # fmt: skip
@@ -82,7 +82,7 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
     rests = [at_rest(d) for d in drives]
     first = max((k for k in rests if k is not None), default=0)
     time = drives[0].time
-    if None in rests or time[-1] - time[first] < LEAST * (time[-1] - time[0]):
+    if None in rests or time[-1] - time[first] < SHORTEST_REST * (time[-1] - time[0]):
         return None
     kept = slice(first, None)
     having = {axis: [d for d in drives if axis in d.error and np.ptp(d.wanted[axis])] for axis in AXES}

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...harness.validation.case import Row
     from ...run.results import Result
 
-LEAST = 1e-13  # m, of a way that is drawn on a logarithmic axis
+SHORTEST_WAY = 1e-13  # m, of a way that is drawn on a logarithmic axis
 TURNED = 0.02  # relative change of a frequency that is worth a panel
 MOVING = {"body": "velocity", "inner mass": "inner_velocity"}
 LONG = 0.05  # of the record, from which on a standstill is one for good
@@ -110,8 +110,8 @@ def creep_chart(records: Sequence[RobotRecord]) -> Chart | None:
     series, standing = [], []
     for r in records:
         distance = np.abs(r.signals["position"][first:] - r.signals["position"][first])
-        if distance.max() > LEAST:
-            series.append(Series(r.unit, t[first:], np.where(distance > LEAST, distance, np.nan)))
+        if distance.max() > SHORTEST_WAY:
+            series.append(Series(r.unit, t[first:], np.where(distance > SHORTEST_WAY, distance, np.nan)))
         else:
             standing.append(r.unit)
     if not series:

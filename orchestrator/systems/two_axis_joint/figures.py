@@ -26,7 +26,7 @@ DEGREES = 180.0 / np.pi
 FULL = 360.0
 AT_REST = 1e-3  # of the largest rate
 LEAST_RATE = 1e-9  # of the largest one, that is shown
-LEAST = 8  # points of a section; fewer are no picture
+FEWEST_POINTS = 8  # points of a section; fewer are no picture
 CLOUD = 200  # from which on they are drawn small
 AXES = ("x", "y", "z")
 VIEWS = (  # title, horizontal and vertical axis of the picture with their signs, axis towards the viewer with its sign
@@ -160,7 +160,7 @@ def section_chart(sections: Sequence[tuple[str, Axis]], who: str = "") -> Chart 
     """Poincaré sections: an axis at the given instants; None where those are too few."""
     panels, counts = [], []
     for when, axis in sections:
-        if axis.angle.size >= LEAST:
+        if axis.angle.size >= FEWEST_POINTS:
             kind = "dots" if axis.angle.size > CLOUD else "points"
             series = (Series("passages", wrapped(axis.angle, gaps=False), DEGREES * axis.rate, kind),)
             label = f"rate of the {axis.name}, degrees/s"

@@ -29,7 +29,7 @@ COEFFICIENTS = (-0.05, 0.6)  # of an axis, up to Betz's limit; a rotor that over
 LITRES = 1e3  # per m³
 MARKED = 6  # starts and stops in all that are marked; with more of them the marks hide what they mark
 BIN = 0.5  # m/s, as IEC 61400-12-1 has it for power curves
-LEAST = 3  # means in a bin that is drawn
+FEWEST_MEANS = 3  # means in a bin that is drawn
 MOST = 12  # rows of runs of one chain
 NAMES = {
     "aerodynamic": "on the rotor",
@@ -235,7 +235,7 @@ def bins_chart(shown: Sequence[Shown], start: int = 0) -> Chart | None:
     """Means over `average` s as dots and the means of bins of 0.5 m/s as a line; None without means or with a steady wind."""
     first = shown[0]
     time, width = first.chain.time[start:], first.average
-    if width <= 0.0 or first.wind is None or time[-1] - time[0] < LEAST * width:
+    if width <= 0.0 or first.wind is None or time[-1] - time[0] < FEWEST_MEANS * width:
         return None
     at = np.arange(time[0] + 0.5 * width, time[-1] - 0.5 * width, width)
     if np.ptp(np.interp(at, time, first.wind[start:])) < BIN:
@@ -245,7 +245,7 @@ def bins_chart(shown: Sequence[Shown], start: int = 0) -> Chart | None:
         wind, mean = (np.interp(at, time, v[start:]) for v in (s.wind, values))  # type: ignore[index]
         number = np.floor(wind / BIN).astype(int)
         known = [(k, mean[(number == k) & np.isfinite(mean)]) for k in np.unique(number)]
-        full = [(k, v) for k, v in known if v.size >= LEAST]
+        full = [(k, v) for k, v in known if v.size >= FEWEST_MEANS]
         middle, mean_of = [(k + 0.5) * BIN for k, _ in full], [float(v.mean()) for _, v in full]
         dots = Series(f"{s.who}means over {width:g} s", wind, mean, "dots")
         return [dots, Series(f"{s.who}bins of {BIN:g} m/s", middle, mean_of)]
