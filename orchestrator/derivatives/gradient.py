@@ -21,7 +21,7 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ..opened.open_scene import OpenScene
 from ..output import write_table
 from ..run.comparison import SURE
-from ..run.figures import STATISTICS, Figures, after_transient, key_results
+from ..run.key_results import STATISTICS, KeyResults, after_transient, key_results
 from ..run.results import Result
 from ..run.run import run
 from ..scene.names import numerical_of, place_of
@@ -38,7 +38,7 @@ SAID = 0.05  # of a derivative: runs that resolve no more say nothing of one tha
 COUNTS = 1e-6  # of a figure: what the whole parameter moves it by at least, where that counts
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
-Measure = Callable[[Result], Figures]
+Measure = Callable[[Result], KeyResults]
 Own = Callable[[Result], Mapping[str, tuple[float, str]]]  # a function of a user's: value and unit by name
 
 
@@ -143,12 +143,12 @@ def _figures(of: Sequence[str] | Own | None) -> Measure:
     if of is None:
         return key_results
     if callable(of):
-        return lambda result: Figures.of((name, *number) for name, number in of(result).items())
+        return lambda result: KeyResults.of((name, *number) for name, number in of(result).items())
 
-    def figures(result: Result) -> Figures:
+    def figures(result: Result) -> KeyResults:
         statistics = all(name.rpartition(",")[2].strip() in STATISTICS_AND_LAST for name in of)
-        summary = Figures() if statistics else key_results(result)
-        chosen = Figures()
+        summary = KeyResults() if statistics else key_results(result)
+        chosen = KeyResults()
         for name in of:
             signal, _, kind = (part.strip() for part in name.partition(","))
             if name in summary:
@@ -231,7 +231,7 @@ def _recorded(base: Result, block: TangentBlock, rows: TangentRows) -> dict[str,
 
 
 def _along(
-    base: Result, tangents: Mapping[str, np.ndarray], figures: Measure, values: Figures, name: str, at: float
+    base: Result, tangents: Mapping[str, np.ndarray], figures: Measure, values: KeyResults, name: str, at: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of the figures (m,) their derivatives along tangents of the signals, the errors of these, and whether both sides agree."""
     first = values.at(values)
@@ -247,7 +247,7 @@ def _along(
     return half, np.abs(whole - half) + rounding, np.abs(bend) <= AGREE * np.abs(half) + 10.0 * rounding
 
 
-def _beside(scene: Scene, figures: Measure, values: Figures, name: str, at: float) -> np.ndarray:
+def _beside(scene: Scene, figures: Measure, values: KeyResults, name: str, at: float) -> np.ndarray:
     """(2, 2, m), below and above: differences of runs, and what they do not resolve; NaN where a side cannot run."""
     step, first = BESIDE * (abs(at) or 1.0), values.at(values)
     sides = np.full((2, 2, first.size), nan)
@@ -259,13 +259,13 @@ def _beside(scene: Scene, figures: Measure, values: Figures, name: str, at: floa
     return sides
 
 
-def _each(derivatives: np.ndarray, sides: np.ndarray, values: Figures) -> Iterator[tuple[float, np.ndarray, float]]:
+def _each(derivatives: np.ndarray, sides: np.ndarray, values: KeyResults) -> Iterator[tuple[float, np.ndarray, float]]:
     """Of each figure its derivative, what runs give on either side, (2, 2), and its value."""
     yield from zip(derivatives.tolist(), np.moveaxis(sides, 2, 0), values.values(), strict=True)
 
 
 def _close(
-    base: Result, block: TangentBlock, figures: Measure, values: Figures, name: str, at: float
+    base: Result, block: TangentBlock, figures: Measure, values: KeyResults, name: str, at: float
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """As `_along`, of the derivatives close below and above a boundary; NaN where a side cannot run, or is another run at once."""
     none = np.full(len(values), nan)

@@ -1,4 +1,4 @@
-"""Figures of a run as measurements tell them: over paths that the smoothed estimate leaves possible.
+"""Key results of a run as measurements tell them: over paths that the smoothed estimate leaves possible.
 
 A path is drawn from its end to its start, over what each column of the filter was made of, as the smoother goes back. So all that
 follows from states, parameters and disturbances together is in it, and a figure of the path needs no further run.
@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
-from ..run.figures import STATISTICS, Figures, after_transient, known_results
+from ..run.key_results import STATISTICS, KeyResults, after_transient, known_results
 from ..run.results import Result
 from ..run.run_record import RunRecord, UnitRecord
 from ..scene.names import displaced
@@ -65,7 +65,7 @@ def figure_bands(filtered: FilteredScene, track: Track, where: str) -> tuple[Fig
         return ()
     inputs = {f"{unit}.{name}" for unit, interface in scene.coupling.interfaces.items() for name in interface.inputs}
     values, q = drawn_paths(track, places)
-    of_paths: list[Figures] = []
+    of_paths: list[KeyResults] = []
     for s in range(values.shape[2]):
         numbers = {u.name: u.bounds.outer(v) for u, v in zip(model.unknowns, q[:, s], strict=True) if u.name not in inputs}
         result = _path(filtered, base, ends, values[:, :, s], numbers)

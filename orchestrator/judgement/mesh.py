@@ -23,7 +23,7 @@ from ...components.core.errors import BadInput
 from ..kept import Kept
 from ..run.comparison import Difference, differences
 from ..run.dependence import depends_on
-from ..run.figures import Figures, known_results
+from ..run.key_results import KeyResults, known_results
 from ..run.results import Result
 from ..run.run_record import MeshRecord, known
 from ..run.thresholds import MESH_ORDERS
@@ -144,6 +144,6 @@ def _order(seen: float, sizes: tuple[float, float]) -> float:
     return 0.5 * (low + high)
 
 
-def _of_figures(fine: Figures, coarse: Figures, coarsest: Mapping[str, float] = MappingProxyType({})) -> dict[str, float]:
+def _of_figures(fine: KeyResults, coarse: KeyResults, coarsest: Mapping[str, float] = MappingProxyType({})) -> dict[str, float]:
     chances = coarse.finite_gaps(coarsest)
     return {name: gap + chances.get(name, 0.0) / LEFT for name, gap in fine.gaps(coarse).items()}

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput
-from ..run.figures import Figures, key_results
+from ..run.key_results import KeyResults, key_results
 from ..run.results import Result
 from ..run.run_record import ParameterRecord, ParametersRecord, known
 from ..run.thresholds import PARAMETER_SAMPLES, SECOND_ORDER
@@ -150,12 +150,12 @@ def _exact(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, s
         return None, f"differences ({error})"
 
 
-def _samples(result: Result, values: Figures, tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:
+def _samples(result: Result, values: KeyResults, tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:
     """(moves (k, n) of the parameters, changes (k, f) of the figures), of those samples that come to their end."""
     power, basis = np.linalg.eigh(tolerances.covariance)
     half = np.random.default_rng(0).standard_normal((PARAMETER_SAMPLES // 2, len(tolerances.names)))
     moves = np.concatenate([half, -half]) @ (basis * np.sqrt(np.maximum(power, 0.0))).T
     runs = [again(result.scene, dict(zip(tolerances.names, (tolerances.values + m).tolist(), strict=True)))[0] for m in moves]
-    samples = [key_results(run) if run is not None else Figures() for run in runs]
+    samples = [key_results(run) if run is not None else KeyResults() for run in runs]
     changes = [sample.at(values) - values.at(values) for sample in samples if sample]
     return moves[[bool(sample) for sample in samples]], np.array(changes).reshape(-1, len(values))

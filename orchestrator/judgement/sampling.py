@@ -16,11 +16,11 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
-from ..run.figures import Figures
+from ..run.key_results import KeyResults
 from ..run.results import Result
 from ..run.thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
 
-Values = Callable[[Result], Figures]
+Values = Callable[[Result], KeyResults]
 
 
 def denser(result: Result, times: int) -> Result | None:
@@ -71,7 +71,7 @@ def _smooth(result: Result, name: str, values: np.ndarray) -> bool:
     return signal is None or signal.unit != "rad" or bool(np.abs(np.diff(values)).max() < np.pi)
 
 
-def between(result: Result, figures: Figures, values: Values) -> dict[str, float]:
+def between(result: Result, figures: KeyResults, values: Values) -> dict[str, float]:
     """How far the figures of the filled up rows are from those given, by name; none where rows cannot be filled up."""
     gaps: dict[str, float] = {}
     for filled in filter(None, (denser(result, times) for times in BETWEEN)):
@@ -86,7 +86,7 @@ def of_parts(result: Result, values: Values) -> dict[str, float]:
 
     Each part stands behind the scene's transient, which figures leave out. None for a figure that a part does not have.
     """
-    of_each: list[Figures] = []
+    of_each: list[KeyResults] = []
     begin = int(np.searchsorted(result.time, result.time[0] + (getattr(result.scene.analysis, "transient", None) or 0.0)))
     for rows in np.array_split(np.arange(begin, result.rows), PARTS):
         if rows.size < 2:

@@ -35,8 +35,8 @@ from ..run.comparison import (
     signal_errors,
     worst_of,
 )
-from ..run.figures import Figures, key_results, known_results
 from ..run.instability import unfollowed
+from ..run.key_results import KeyResults, key_results, known_results
 from ..run.results import Result
 from ..run.run import run as run_once
 from ..run.thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
@@ -313,7 +313,7 @@ def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = (
     return errors
 
 
-def _between_rows(first: Result, second: Result, figures: list[Figures]) -> list[Mapping[str, float]]:
+def _between_rows(first: Result, second: Result, figures: list[KeyResults]) -> list[Mapping[str, float]]:
     """What lies between the rows of a run, such as the largest value: how far figures move where each other row is left out, in
     the rows that the second run has between them, and where rows are filled up with a curve."""
     gaps: list[Mapping[str, float]] = [_gaps(first, figures[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
@@ -323,7 +323,7 @@ def _between_rows(first: Result, second: Result, figures: list[Figures]) -> list
     return [*gaps, between(first, figures[0], key_results)]
 
 
-def _gaps(result: Result, figures: Figures, rows: np.ndarray) -> dict[str, float]:
+def _gaps(result: Result, figures: KeyResults, rows: np.ndarray) -> dict[str, float]:
     """How far the figures of some rows are from those given: without the ends of the run, as spectra need even rows, and where
     that matters with them, from which ways and energies count; the smaller one.
     """

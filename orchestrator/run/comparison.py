@@ -21,8 +21,8 @@ import numpy as np
 
 from ..engine.coupling.graph import is_discrete
 from ..units.interface import Signal
-from .figures import Figures
 from .instants import at_instants
+from .key_results import KeyResults
 from .results import Result
 from .run_record import Excerpt, SignalRecord, known
 from .thresholds import (
@@ -293,7 +293,7 @@ def _of_three(d: Difference, d2: Difference) -> SignalError:
     )
 
 
-def figure_errors(runs: Sequence[Figures], *, unsure: bool = False) -> dict[str, float]:
+def figure_errors(runs: Sequence[KeyResults], *, unsure: bool = False) -> dict[str, float]:
     """Errors of the first run's figures, from two or three runs, in the figures' own units; NaN where a run lacks a figure.
 
     `unsure`: of two runs that differ too much for an error of their difference alone.

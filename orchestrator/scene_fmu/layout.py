@@ -17,7 +17,7 @@ from ...components.core.contract import KernelComponent
 from ...fmus.native.instance import Places, image_of
 from ...fmus.native.machine_code import Source, source_of
 from ..engine.algorithms import Master
-from ..engine.algorithms import figures as running
+from ..engine.algorithms import running_statistics as running
 from ..engine.algorithms.memory import KERNELS, OF_FAULTS
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Endpoint
@@ -110,7 +110,7 @@ class Layout:
         signals = tuple(dict.fromkeys(shown.end for shown in scene.coupling.shown.values() if shown.kind))
         block = None
         if signals:
-            figures = running.figures_of(len(signals), scene.counts_from)
+            figures = running.statistics_of(len(signals), scene.counts_from)
             block = Block(figures, (), (), dict.fromkeys(running.KERNELS, ("double %t", "double %h")))
             sources.append(Source(scene.name, "figures", block, running.KERNELS, (block.s,)))
         return cls(units, master, first, block, first + records.block.cells, signals, sources)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ...run.figures import STATISTICS
+from ...run.key_results import STATISTICS
 from ...scene.scene import Scene
 from ..analysis.signals import ButterworthFilter, sections
 from ..studies.quantities import EDGE, quantities_of

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from ....components.core.errors import BadInput, nearest
-from ...run.figures import STATISTICS
+from ...run.key_results import STATISTICS
 from ...scene.scene import Scene
 from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted

@@ -12,8 +12,8 @@ import numpy as np
 
 from ....components.core.errors import BadInput, pick
 from ...run.dependence import depends_on, source_of
-from ...run.figures import STATISTICS, Figures, after_transient
 from ...run.instability import unfollowed
+from ...run.key_results import STATISTICS, KeyResults, after_transient
 from ...run.results import Result
 from ...scene.scene import KnownSystems, Scene, read_scene
 from ...settings.plan import KeepSettings
@@ -37,7 +37,7 @@ class PointResult:
 
     outcome: str
     reason: str = ""
-    numbers: Figures = field(default_factory=Figures)
+    numbers: KeyResults = field(default_factory=KeyResults)
     section: np.ndarray = field(default_factory=lambda: np.zeros(0))
     time: np.ndarray = field(default_factory=lambda: np.zeros(0))
     signals: dict[str, np.ndarray] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class PointResult:
 
     def values(self, names: Iterable[str]) -> np.ndarray:
         """(n,) numbers of columns; NaN where there is none, and where the run is not done."""
-        return (self.numbers if self.outcome == "done" else Figures()).at(names)
+        return (self.numbers if self.outcome == "done" else KeyResults()).at(names)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...run import work
-from ...run.figures import STATISTICS
+from ...run.key_results import STATISTICS
 from ...run.thresholds import WARN
 from ...scene.shorter_steps import runs_with
 from ..summary import with_error

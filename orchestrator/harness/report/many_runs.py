@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...run.figures import STATISTICS
+from ...run.key_results import STATISTICS
 from ..charts.blocks import Block, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Picture, Series
 from ..charts.charts import draw_chart

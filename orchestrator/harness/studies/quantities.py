@@ -16,7 +16,7 @@ from math import inf, isfinite
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...run.figures import STATISTICS
+from ...run.key_results import STATISTICS
 from ...run.results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted

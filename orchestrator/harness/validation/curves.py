@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...run.figures import STATISTICS
 from ...run.instants import at_instants
+from ...run.key_results import STATISTICS
 from ...scene.measured import FEWEST, Measured
 from ...settings.case import CurveSettings
 from ..analysis.signals import ButterworthFilter, amplitude_spectrum, uniform

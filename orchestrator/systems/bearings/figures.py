@@ -21,7 +21,7 @@ from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import BearingKeys, RecurrenceKeys
 from .records import BearingRecord, bearings, since
 

@@ -18,7 +18,7 @@ from ....components.core.errors import pick
 from ...harness.analysis.records import RecordedUnit
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import BearingKeys
 
 if TYPE_CHECKING:

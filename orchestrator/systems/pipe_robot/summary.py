@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...harness.summary import Summary, rows
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from .records import RobotRecord, energies, robots, shares, steady_speed, switches
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from ...harness.analysis.spectra import Family, follow, turns_steadily, unwrappe
 from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series
 from ...harness.charts.charts import draw_chart
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from ..bearings.figures import heat_chart
 from ..bearings.records import STEADY, since
 from . import RotorKeys

@@ -13,7 +13,7 @@ import numpy as np
 
 from ....components.rotor.modal import campbell, critical_speeds, critical_speeds_of
 from ...harness.analysis.records import RecordedUnit
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import RotorKeys
 from .records import RotorRecord
 

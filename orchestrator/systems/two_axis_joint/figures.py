@@ -13,7 +13,7 @@ import numpy as np
 from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Panel, Series
 from ...harness.charts.charts import draw_chart
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from .records import Axis, JointRecord, drawn, joints, poincare
 
 if TYPE_CHECKING:

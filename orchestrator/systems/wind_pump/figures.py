@@ -15,7 +15,7 @@ from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Chart, Lines, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import WindPumpKeys
 from .records import Chain, Running, branches, chains, efficiencies, moving_mean, runnings, wind_energy
 

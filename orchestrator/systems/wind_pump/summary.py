@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...harness.analysis.signals import accumulated
 from ...harness.summary import Summary, rows
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import WindPumpKeys
 from .records import Chain, chains, efficiencies, runnings, wind_energy
 

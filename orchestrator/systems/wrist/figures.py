@@ -13,7 +13,7 @@ import numpy as np
 from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Chart, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import WristKeys
 from .records import HAND, ROWS, Bundle, LinkageRecord, Muscles, WristRecord, bundles, linkages, muscles, postures, wrists
 

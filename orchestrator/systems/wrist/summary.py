@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...harness.summary import Summary, SummaryRow
-from ...run.figures import after_transient
+from ...run.key_results import after_transient
 from . import WristKeys
 from .records import HAND, bundles, linkages, postures, wrists
 

@@ -15,7 +15,7 @@ from cosimo.orchestrator.harness.many.repetition import compared, ends_and_some
 from cosimo.orchestrator.harness.many.sensitivity import sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import uncertainty
 from cosimo.orchestrator.run import work
-from cosimo.orchestrator.run.figures import Figures
+from cosimo.orchestrator.run.key_results import KeyResults
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import formula
@@ -106,7 +106,7 @@ def test_a_macro_step_that_varies_is_halved_as_well():
 def test_a_mean_near_zero_is_judged_by_the_size_of_its_signal_and_failed_points_are_named():
     numbers = {"a.x, mean": np.array([1e-9, np.nan]), "a.x, maximum": np.array([2.0, np.nan]), "own": np.array([4.0, np.nan])}
     half = {
-        0: PointResult("done", numbers=Figures({"a.x, mean": 1e-3, "a.x, maximum": 2.0, "own": 3.0})),
+        0: PointResult("done", numbers=KeyResults({"a.x, mean": 1e-3, "a.x, maximum": 2.0, "own": 3.0})),
         1: PointResult("failed", "it breaks"),
     }
     judged = compared([0, 1], half, numbers)

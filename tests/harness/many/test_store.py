@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.many.measures import PointResult, Task
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
 from cosimo.orchestrator.harness.many.store import Store, StoredPlan
 from cosimo.orchestrator.harness.sweep import collected_sweep
-from cosimo.orchestrator.run.figures import Figures
+from cosimo.orchestrator.run.key_results import KeyResults
 from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.many import sweep
@@ -24,7 +24,7 @@ def written(folder, *parts):
     rows = Store(folder)
     for part in parts:
         rows.append(
-            [(k, PointResult(o, "", Figures({"a": 10.0 * k})) if o == "done" else PointResult(o, "once")) for k, o in part]
+            [(k, PointResult(o, "", KeyResults({"a": 10.0 * k})) if o == "done" else PointResult(o, "once")) for k, o in part]
         )
         rows.flush()
     return rows
@@ -104,7 +104,7 @@ def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
         digests = plan.digests(task.base)
         for first in range(0, n, 1024):
             some = digests[first : first + 1024].tolist()
-            rows.append([(d, PointResult("done", "", Figures({f"f.x{k}": float(k) for k in range(5)}))) for d in some])
+            rows.append([(d, PointResult("done", "", KeyResults({f"f.x{k}": float(k) for k in range(5)}))) for d in some])
             rows.flush()
         del digests
         tracemalloc.start()

@@ -16,7 +16,7 @@ from cosimo.orchestrator.harness.studies.quantities import (
     recording,
 )
 from cosimo.orchestrator.harness.studies.trial import Trial
-from cosimo.orchestrator.run.figures import STATISTICS
+from cosimo.orchestrator.run.key_results import STATISTICS
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.interface import Signal

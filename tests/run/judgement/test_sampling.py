@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.orchestrator.judgement.sampling import between, curve, of_parts
-from cosimo.orchestrator.run.figures import Figures
+from cosimo.orchestrator.run.key_results import KeyResults
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
@@ -29,7 +29,7 @@ def figures(result):
     """Share of time, number of stretches and length of the longest above 0.8, largest value: of rows as they stand."""
     above, step = result[NAME] > 0.8, result.time[1] - result.time[0]
     edges = np.flatnonzero(np.diff(np.concatenate(([0], above.astype(int), [0]))))
-    return Figures(
+    return KeyResults(
         {
             "share": float(above.mean()),
             "longest": float((edges[1::2] - edges[::2]).max(initial=0) * step),
@@ -68,7 +68,9 @@ def test_a_count_changes_by_what_is_near_its_threshold(result):
 def test_jumps_and_whole_numbers_are_no_curves(result):
     time = np.arange(0.0, 10.0, 0.1)
     counted = with_rows(result, time, np.floor(time))
-    assert between(counted, Figures({"largest": 9.0}), lambda r: Figures({"largest": float(r[NAME].max())})) == {"largest": 0.0}
+    assert between(counted, KeyResults({"largest": 9.0}), lambda r: KeyResults({"largest": float(r[NAME].max())})) == {
+        "largest": 0.0
+    }
 
 
 def test_the_mean_of_a_chaotic_motion_has_the_error_that_an_ensemble_shows(result):
@@ -76,7 +78,7 @@ def test_the_mean_of_a_chaotic_motion_has_the_error_that_an_ensemble_shows(resul
     time = np.linspace(0.0, 60.0, 3001)
     flow = lambda t, v: [10.0 * (v[1] - v[0]), v[0] * (28.0 - v[2]) - v[1], v[0] * v[1] - 8.0 / 3.0 * v[2]]  # noqa: E731
     names = {"mean": np.mean, "rms": np.std}
-    values = lambda r: Figures({name: float(of(r[NAME])) for name, of in names.items()})  # noqa: E731
+    values = lambda r: KeyResults({name: float(of(r[NAME])) for name, of in names.items()})  # noqa: E731
     found = []
     for k in range(20):
         states = solve_ivp(flow, (-10.0, 60.0), [1.0 + 0.01 * k, 1.0, 20.0], t_eval=time, rtol=1e-6, atol=1e-6).y

@@ -19,7 +19,7 @@ from cosimo.orchestrator.run.comparison import (
     scale_of,
     signal_errors,
 )
-from cosimo.orchestrator.run.figures import Figures
+from cosimo.orchestrator.run.key_results import KeyResults
 from cosimo.orchestrator.run.run import run as run_once
 from cosimo.orchestrator.run.run_record import VerificationRecord
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -70,9 +70,9 @@ def test_two_runs_give_twice_their_difference_and_three_the_sum():
     assert signal_errors(unsure, None)["x"].rms == pytest.approx(0.12)
     three = signal_errors({"x": Difference(0.04, 0.1, np.zeros(8))}, {"x": Difference(0.01, 0.02, np.zeros(8))})["x"]
     assert (three.rms, three.largest, three.order) == pytest.approx((0.06, 0.14, 2.0))
-    assert figure_errors([Figures({"a": 1.0}), Figures({"a": 1.5})]) == {"a": 1.0}
-    assert figure_errors([Figures({"a": x}) for x in (1.0, 1.0, 1.25)]) == {"a": 0.5}  # no difference by chance
-    assert np.isnan(figure_errors([Figures({"a": 1.0}), Figures()])["a"])
+    assert figure_errors([KeyResults({"a": 1.0}), KeyResults({"a": 1.5})]) == {"a": 1.0}
+    assert figure_errors([KeyResults({"a": x}) for x in (1.0, 1.0, 1.25)]) == {"a": 0.5}  # no difference by chance
+    assert np.isnan(figure_errors([KeyResults({"a": 1.0}), KeyResults()])["a"])
 
 
 def test_what_hardly_varies_is_judged_by_its_size():

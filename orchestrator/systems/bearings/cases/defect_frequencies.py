@@ -11,7 +11,7 @@ import numpy as np
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.validation import Evidence, Runs
-from ....run.figures import after_transient
+from ....run.key_results import after_transient
 from ....run.results import Result
 from ....scene.scene import Scene
 from ....units.component import make

@@ -1,6 +1,6 @@
-"""Figures of signals over the macro steps of a run, one step after the other: what needs no whole signal.
+"""Statistics of signals over the macro steps of a run, one step after the other: what needs no whole signal.
 
-A block of its own beside that of the master, so that a scene without figures has none of it. All samples have the same weight, as
+A block of its own beside that of the master, so that a scene without such quantities has none of it. All samples have the same weight, as
 in a recorded signal. Mean and squares by Welford's update, which loses no digits where a signal is small beside its mean (B. P.
 Welford, Technometrics 4, 1962, 419-420).
 """
@@ -18,15 +18,15 @@ from ....components.core.kernels import kernel, kernel_tuple
 from ...units.calls import load
 
 NEAR = 1.0 - 1e-12  # of the transient: rounding of a time that ends there
-COUNT, SQUARES, MEAN, DEVIATION, LOW, HIGH = range(6)  # samples; sum of the squared deviations from the mean; the figures
-COLUMNS = {"mean": MEAN, "standard deviation": DEVIATION, "minimum": LOW, "maximum": HIGH}  # by the kind of a figure
+COUNT, SQUARES, MEAN, DEVIATION, LOW, HIGH = range(6)  # samples; sum of the squared deviations from the mean; the statistics
+COLUMNS = {"mean": MEAN, "standard deviation": DEVIATION, "minimum": LOW, "maximum": HIGH}  # by the kind of a quantity
 # at: (n,) addresses of the signals' numbers; values: (n, 6), zero at the start; transient: (1,) s, behind which samples count
-Figures = kernel_tuple(namedtuple("Figures", "at values transient"))  # type: ignore[misc]
+RunningStatistics = kernel_tuple(namedtuple("RunningStatistics", "at values transient"))  # type: ignore[misc]
 
 
-def figures_of(signals: int, transient: float) -> Any:
+def statistics_of(signals: int, transient: float) -> Any:
     """What the kernel works on, for so many signals."""
-    return Figures(np.zeros(signals, dtype=np.int64), np.zeros((signals, 6)), np.array([transient]))
+    return RunningStatistics(np.zeros(signals, dtype=np.int64), np.zeros((signals, 6)), np.array([transient]))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Figures of a run, numbers by name with their units of measure; and what holds where a run has none, or has no number for one.
+"""Key results of a run, numbers by name with their units of measure; and what holds where a run has none, or has no number for one.
 
 There are three rules, and each use names its own:
 
@@ -26,7 +26,7 @@ STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
 }
 
 
-class Figures(dict[str, float]):
+class KeyResults(dict[str, float]):
     """Numbers by name. units: of measure, by the same names."""
 
     def __init__(self, numbers: Mapping[str, float] | None = None, units: Mapping[str, str] | None = None):
@@ -34,7 +34,7 @@ class Figures(dict[str, float]):
         self.units = dict(units or {})
 
     @classmethod
-    def of(cls, rows: Iterable[tuple[str, Any, str]]) -> Figures:
+    def of(cls, rows: Iterable[tuple[str, Any, str]]) -> KeyResults:
         """Of names with numbers and units."""
         figures = cls()
         figures.add(rows)
@@ -69,14 +69,14 @@ def after_transient(result: Result) -> slice:
     return slice(first, None)
 
 
-def key_results(result: Result) -> Figures:
+def key_results(result: Result) -> KeyResults:
     """Those of the run's system; raises `BadInput` where they cannot be computed."""
-    return Figures.of((row.name, row.value, row.unit) for row in result.summary)
+    return KeyResults.of((row.name, row.value, row.unit) for row in result.summary)
 
 
-def known_results(result: Result) -> Figures:
+def known_results(result: Result) -> KeyResults:
     """The same; none where they cannot be computed."""
     try:
         return key_results(result)
     except BadInput:
-        return Figures()
+        return KeyResults()
