@@ -61,7 +61,7 @@ def validate(
             print_table(
                 "",
                 ("claim", "announced", "measured", "verdict"),
-                [(c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims],
+                [(c.claim.number, c.claim.announced, c.rows_met, c.verdict) for c in claims],
             )
         print(f"{result.case.name}: {result.verdict}")
     if not as_json:

@@ -262,7 +262,7 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
 
 def _claims_table(claims: Sequence[ClaimResult]) -> Cells:
     """One line a claim."""
-    rows = [(c.claim.number, c.claim.announced, c.claim.kind, c.measured, c.verdict) for c in claims]
+    rows = [(c.claim.number, c.claim.announced, c.claim.kind, c.rows_met, c.verdict) for c in claims]
     header = ("claim", "announced", "kind", "simulated", "verdict")
     return Cells(
         "Statements of the abstract and their reproduction",

@@ -16,7 +16,7 @@ from ...scene.shorter_steps import made_runs
 from ..charts.chart import Chart, Grid
 from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
-from .reference import MISSING, Row, check_measured, compare, load_table
+from .reference import MISSING, Row, check_numbers, compare, load_table
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -70,7 +70,7 @@ class ClaimResult:
         return "shown" if all(supported) and held and not any(inside["limits"]) and not self.claim.missing else "partly"
 
     @property
-    def measured(self) -> str:
+    def rows_met(self) -> str:
         """How many rows met the criterion, in words; those that cannot fail apart."""
         if not self.rows:
             return "equations and tests"
@@ -151,20 +151,20 @@ class Case:
         are defects of the case (ValueError).
         """
         evidence, failure = _ask(self.questions, self.name, options, {} if kept is None else kept)
-        measured = {measure: number for e in evidence for measure, number in e.measured.items()}
-        if len(measured) < sum(len(e.measured) for e in evidence):
-            twice = [m for m in measured if sum(m in e.measured for e in evidence) > 1]
+        numbers = {measure: number for e in evidence for measure, number in e.numbers.items()}
+        if len(numbers) < sum(len(e.numbers) for e in evidence):
+            twice = [m for m in numbers if sum(m in e.numbers for e in evidence) > 1]
             raise ValueError(f"case {self.name}: {', '.join(sorted(twice))} measured by two questions")
         charts: dict[str, tuple[Chart | Grid, ...]] = {}
         for e in evidence:
             charts[e.claim] = (*charts.get(e.claim, ()), *e.charts)
         rows = tuple(row for e in evidence for row in e.rows)
         claims: tuple[ClaimResult, ...] = ()
-        if measured:
+        if numbers:
             table = load_table(self.name)
             if failure is None:
-                check_measured(self.name, table.rows, measured)
-            rows = (*compare(table.rows, measured), *rows)
+                check_numbers(self.name, table.rows, numbers)
+            rows = (*compare(table.rows, numbers), *rows)
             if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
                 raise ValueError(f"case {self.name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
             claims = claim_results(table.claims, rows, charts)

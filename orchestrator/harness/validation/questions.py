@@ -86,9 +86,9 @@ class Runs(dict[Any, "Result"]):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a question measured, with figures, runs worth showing, and sentences.
+    """The numbers that runs give for a question, with figures, runs worth showing, and sentences.
 
-    measured: {measure: number} with the `measure` of the table's rows; of a table with several conditions also
+    numbers: {measure: number} with the `measure` of the table's rows; of a table with several conditions also
     {condition: {measure: number}}.
     rows: rows of references that the case computes itself.  shown: label -> result.
     claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
@@ -96,7 +96,7 @@ class Evidence:
     settings: condition -> how its numbers were computed (window, filter).  doubts: of `Runs`, which `ask` fills in.
     """
 
-    measured: Mapping[str, float | Mapping[str, float]] = field(default_factory=dict)
+    numbers: Mapping[str, float | Mapping[str, float]] = field(default_factory=dict)
     charts: tuple[Chart | Grid, ...] = ()
     shown: Mapping[str, Result] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -138,7 +138,7 @@ class Question:
         answer = self.measure(runs)
         evidence = answer if isinstance(answer, Evidence) else Evidence(answer)
         by_label = {named(label): result for label, result in runs.items()}
-        numbers = {**evidence.measured, **evidence.data}
+        numbers = {**evidence.numbers, **evidence.data}
         drawn = Described("chart", numbers, by_label, self.rows)
         return replace(
             evidence,

@@ -168,7 +168,7 @@ def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[s
     return tuple(Row(row, float(_numbers(row, measured).get(row.measure, math.nan))) for row in rows)
 
 
-def check_measured(table: str, rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[str, float]]) -> None:
+def check_numbers(table: str, rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[str, float]]) -> None:
     """Raises `BadInput` for the first row whose measure is not among the numbers of its condition."""
     for i, row in enumerate(rows, 1):
         if row.measure not in (numbers := _numbers(row, measured)):

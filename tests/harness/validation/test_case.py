@@ -9,7 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
 from cosimo.orchestrator.harness.validation.questions import Evidence, Question
-from cosimo.orchestrator.harness.validation.reference import TableRow, check_measured
+from cosimo.orchestrator.harness.validation.reference import TableRow, check_numbers
 from cosimo.orchestrator.systems import cases, validate
 
 
@@ -78,11 +78,11 @@ def case_result(rows, complete=True):
 
 def test_a_row_that_no_question_measures_is_named():
     given = replace(row(0).reference, measure="std", condition="20 Hz")
-    check_measured("t", (given,), {"std": 3.0})
-    check_measured("t", (given,), {"20 Hz": {"std": 3.0}})
+    check_numbers("t", (given,), {"std": 3.0})
+    check_numbers("t", (given,), {"20 Hz": {"std": 3.0}})
     for measured in ({"stdd": 3.0}, {"20 Hz": {"stdd": 3.0}, "std": 3.0}):
         with pytest.raises(BadInput, match=r"table t, row 1: got measure 'std' of condition '20 Hz'.* Did you mean 'stdd'"):
-            check_measured("t", (given,), measured)
+            check_numbers("t", (given,), measured)
 
 
 def test_a_broken_run_fails_the_case():

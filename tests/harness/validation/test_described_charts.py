@@ -95,7 +95,7 @@ def test_a_question_tells_and_shows_what_its_file_says():
         show=("hard*",),
         claim="X1",
     ).ask(Options(in_process=True))
-    assert asked.notes == (f"It begins with 2 and ends at {asked.measured['end']:.3f} m.",)
+    assert asked.notes == (f"It begins with 2 and ends at {asked.numbers['end']:.3f} m.",)
     assert list(asked.shown) == ["hard, 2"]
     assert asked.claim == "X1"
 

@@ -19,7 +19,7 @@ def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     monkeypatch.setattr(wind_pump_equilibrium, "scene", lambda wind: given(wind).with_changes(heavier))
     monkeypatch.setattr(wind_pump_equilibrium, "WINDS", (2.0, 2.5, 6.0))
     (question,) = cases()["wind-pump-equilibrium"].questions
-    rows = compare(load_table("wind-pump-equilibrium").rows, question.ask(Options(in_process=True)).measured)
+    rows = compare(load_table("wind-pump-equilibrium").rows, question.ask(Options(in_process=True)).numbers)
     inside = {r.reference.measure: r.inside for r in rows}
     assert not any(inside[f"{n}.{v}"] for n in ("turbine_speed", "pump_speed", "ratio") for v in ("2", "2.5", "6"))
     assert all(inside[f"power_ratio.{v}"] for v in ("2", "2.5", "6"))
