@@ -87,6 +87,7 @@ GROUPS = {
     "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design"),
     "Export": ("build", "check", "ssp"),
     "Railway": ("railway",),
+    "Bearings": ("bearings",),
     "Housekeeping": ("open", "cache", "schema"),
 }
 
