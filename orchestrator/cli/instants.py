@@ -22,18 +22,20 @@ OfInputs = Annotated[
 ]
 
 
-def _axis(scene: Scene, over: list[str] | None) -> tuple[str, list[float]] | None:
-    """The parameter of --over and its values."""
+def _axes(scene: Scene, over: list[str] | None, most: int = 1) -> list[tuple[str, list[float]]]:
+    """The parameters of --over and their values."""
     from numpy import linspace
 
     from ..scene.written_units import axes_with_numbers
 
     varied = axes_with_numbers(ranges_of(over), scene.settings()["units"], "--over")
-    if len(varied) > 1:
-        raise BadInput("--over", ", ".join(varied), "one parameter")
-    return next(
-        ((n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()), None
-    )
+    if len(varied) > most:
+        raise BadInput("--over", ", ".join(varied), "one parameter" if most == 1 else f"{most} parameters at most")
+    return [(n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()]
+
+
+def _axis(scene: Scene, over: list[str] | None) -> tuple[str, list[float]] | None:
+    return next(iter(_axes(scene, over)), None)
 
 
 @app.command()
@@ -150,6 +152,12 @@ def orbit(
     after: Annotated[int, Option(min=0, help="Periods of the run from which an orbit is sought.")] = 100,
     steps: Annotated[int, Option(min=0, help="Macro steps in a period, at least.")] = 0,
     doublings: Annotated[int, Option(min=0, help="Follow branches from so many period doublings, one after another.")] = 0,
+    exponents: Annotated[
+        int,
+        Option(
+            min=0, metavar="PERIODS", help="Where no stable orbit is found, measure the largest Lyapunov exponent over so many."
+        ),
+    ] = 0,
     output: Output = Path("orbit"),
     values: Changes = None,
     presets: Presets = None,
@@ -158,27 +166,40 @@ def orbit(
     """Find periodic orbits and their bifurcations. Example: cosimo orbit ball-bearing-clearance --over bearing.speed=60:300:13 -o out
 
     Without a period the scene tells it: an angle that turns, or a free oscillation. Branches pass folds; period doublings and
-    Neimark-Sacker points are located.
+    Neimark-Sacker points are located. A second --over makes a map: which motions are chaotic.
     """
     from ..derivatives.continuation import orbits
     from ..derivatives.orbit import Forcing
-    from ..harness.report.studies.orbits import for_orbits, orbit_cells
+    from ..derivatives.orbit_map import EXPONENTS, orbit_map
+    from ..harness.report.studies.orbits import for_orbit_map, for_orbits, map_cells, orbit_cells
 
     loaded = scene_of(scene, values, presets)
     section = loaded.analysis.section
     if not (angle or period or frequency or guess) and section is not None:
         angle, turns = section.angle, section.turns
     forcing = Forcing(period, frequency, angle, turns, multiple)
+    axes = _axes(loaded, over, 2)
+    options: dict[str, Any] = {"after": after, "guess": guess, "steps": steps, "doublings": doublings}
     with status_spinner("orbits") as show:
-        states = orbits(
-            loaded, forcing, _axis(loaded, over), after=after, guess=guess, steps=steps, doublings=doublings, progress=show
-        )
-    written = [*states.save(output), for_orbits(states, output)]
+        options |= {"progress": show, "exponents": exponents or (EXPONENTS if len(axes) > 1 else 0)}
+        if len(axes) > 1:
+            map_of_two = orbit_map(loaded, forcing, *axes, **options)
+            written, studies, cells = (
+                [*map_of_two.save(output), for_orbit_map(map_of_two, output)],
+                map_of_two.rows,
+                [map_cells(map_of_two)],
+            )
+        else:
+            states = orbits(loaded, forcing, next(iter(axes), None), **options)
+            written = [*states.save(output), for_orbits(states, output)]
+            studies, cells = ((0.0, states),), orbit_cells(states)
     if as_json:
-        print(json.dumps(states.to_json(), indent=2))
+        print(json.dumps((map_of_two if len(axes) > 1 else states).to_json(), indent=2))
         return
-    for cells in orbit_cells(states):
-        print_cells(cells)
-    for place, reason in states.gaps:
-        print(f"{states.parameter} = {place:g}: {reason}")
+    for table in cells:
+        print_cells(table)
+    for value, study in studies:
+        at = f"{axes[1][0]} = {value:g}, " if len(axes) > 1 else ""
+        for place, reason in study.gaps:
+            print(f"{at}{study.parameter} = {place:g}: {reason}")
     print_written(written)

@@ -19,6 +19,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ..output import write_table
 from ..scene.scene import Scene
+from .motions import MOTION_COLUMNS, Regime, motions
 from .newton import newton
 from .orbit import INSIDE, Forcing, Orbit, Shooting
 
@@ -54,13 +55,17 @@ class Branch:
 
 @dataclass(frozen=True)
 class Orbits:
-    """Branches over a parameter, or one orbit alone.  gaps: (value, reason) where none was reached by running on."""
+    """Branches over a parameter, or one orbit alone.  gaps: (value, reason) where none was reached by running on.
+
+    motions: what the scene settles to at each of the values, where exponents were asked for.
+    """
 
     scene: Scene
     parameter: str
     signals: tuple[str, ...]
     branches: tuple[Branch, ...]
     gaps: tuple[tuple[float, str], ...] = ()
+    motions: tuple[Regime, ...] = ()
 
     @property
     def marks(self) -> list[Mark]:
@@ -82,6 +87,10 @@ class Orbits:
             ]
             columns = ("kind", self.parameter, "period, s", "multiplier, real", "multiplier, imaginary")
             files.append(write_table(directory, "bifurcations.csv", columns, marks))
+        if self.motions:
+            files.append(
+                write_table(directory, "motions.csv", (self.parameter, *MOTION_COLUMNS), [m.row() for m in self.motions])
+            )
         return files
 
     def to_json(self) -> dict[str, Any]:
@@ -113,13 +122,15 @@ def orbits(
     guess: float = 0.0,
     steps: int = 0,
     doublings: int = 1,
+    exponents: int = 0,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Orbits:
     """Periodic orbits of a scene: one, or branches over a parameter.
 
     over: a parameter and its values; the first one begins a branch, and each other that no branch has reached. after: periods of
     the run that each begins with.  guess: period of a free oscillation, s.  steps: macro steps of a period, at least.
-    doublings: so many times branches are followed from period doublings. Raises `BadInput` where there is no orbit at all.
+    doublings: so many times branches are followed from period doublings.  exponents: periods of a run that measures the largest
+    Lyapunov exponent at each value where no stable orbit was found. Raises `BadInput` where there is no orbit at all.
     """
     with ExitStack() as stack:
         shooting = Shooting(scene, stack, forcing, over[0] if over else "", steps)
@@ -147,9 +158,11 @@ def orbits(
             branches.append(follower.both_ways(unknown, forward=values[-1] > values[0]))
         for branch in list(branches):
             _doubled(shooting, branch, branches, doublings, values)
-        if not branches:
+        if not branches and not exponents:
             raise BadInput(shooting.where, f"none at {len(gaps)} values of {over[0]}", "an orbit", gaps[0][1])
-        return Orbits(scene, over[0], tuple(shooting.signals), tuple(branches), tuple(gaps))
+        known = [(branch.multiple, branch.points) for branch in branches]
+        regimes = tuple(motions(shooting, known, values, after, exponents)) if exponents else ()
+        return Orbits(scene, over[0], tuple(shooting.signals), tuple(branches), tuple(gaps), regimes)
 
 
 def _begun(shooting: Shooting, value: float | None, after: int, guess: float) -> np.ndarray | str:

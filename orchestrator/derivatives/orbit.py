@@ -281,6 +281,11 @@ class Shooting:
         self._pin(z, p)
         return np.concatenate([z[self.kept], [period] if self.unknown_period else [], p])
 
+    def near(self, unknown: np.ndarray) -> None:
+        """Orbits are sought next to an unknown from now on, by as many macro steps as its period asks for."""
+        self.base, self.pinned = self.split(unknown)[0], unknown[: int(self.kept.sum())].copy()
+        self.steps = self.steps_of(float(unknown[-2]) if self.unknown_period else self.period(unknown[-1:]))
+
     def _pin(self, z: np.ndarray, p: np.ndarray) -> None:
         self.pinned = z[self.kept].copy()
         if self.unknown_period and self.turning is None:

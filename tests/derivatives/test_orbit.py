@@ -163,6 +163,53 @@ def test_at_a_period_doubling_a_branch_of_two_periods_begins_that_scipy_closes()
     assert np.abs(orbit.sections[0] - orbit.sections[1]).max() > 0.0
 
 
+@pytest.mark.full
+def test_motions_are_those_of_runs_by_scipy():
+    """25 um: a section of one point at 150 rad/s, and two runs that part at the measured exponent at 190 rad/s."""
+    forcing, clearance, periods = Forcing(angle="bearing.cage_angle", turns=BALLS), 25e-6, 400
+    over = ("bearing.speed", np.linspace(150.0, 190.0, 5))
+    motions = orbits(bearing(clearance), forcing, over, exponents=2000).motions
+    assert [(m.kind, m.periods) for m in (motions[0], motions[-1])] == [("periodic", 1), ("chaotic", 0)]
+    assert motions[0].exponent == pytest.approx(-5.0, rel=1e-3)  # a pair of multipliers: half of the damping over the mass
+    found, sizes = {}, np.array([1e-5, 1e-5, 1e-3, 1e-3])
+    for speed in (150.0, 190.0):
+        single, rates = 2.0 * math.pi / BALLS / (RATIO * speed), bearing_rates(speed, 0.0, clearance)
+
+        def both(t, y, rates=rates):
+            return np.concatenate([rates(t, y[:4]), rates(t, y[4:])])
+
+        y, growth, section = np.array([3e-5, 0.0, 0.0, 0.0]), np.zeros(periods), np.zeros((periods, 4))
+        apart = np.array([1e-7, 0.0, 0.0, 0.0])
+        for k in range(periods):
+            end = solve_ivp(
+                both, (0.0, single), np.concatenate([y, y + apart * sizes]), method="DOP853", rtol=1e-8, atol=1e-15
+            ).y[:, -1]
+            y, apart = end[:4], (end[4:] - end[:4]) / sizes
+            growth[k], apart, section[k] = math.log(np.linalg.norm(apart) / 1e-7), 1e-7 * apart / np.linalg.norm(apart), y
+        means = [part.mean() / single for part in np.array_split(growth[periods // 4 :], 15)]
+        found[speed] = np.mean(means), 2.0 * np.std(means, ddof=1) / math.sqrt(15), np.ptp(section[-50:], axis=0) / sizes
+    assert found[150.0][2].max() < 1e-3
+    assert found[150.0][0] == pytest.approx(-5.0, abs=0.1)
+    exponent, error, spread = found[190.0]
+    assert spread.min() > 0.1
+    assert exponent - error > 0.0
+    assert abs(exponent - motions[-1].exponent) < 1.5 * math.hypot(error, motions[-1].error)
+
+
+def test_a_map_of_orbits_over_two_parameters(tmp_path, capsys):
+    over = ("--over", "bearing.speed=100:120:3", "--over", "bearing.clearance.radial_clearance=10e-6,25e-6", "--exponents", "200")
+    with pytest.raises(SystemExit) as end:
+        main(("orbit", "ball-bearing-clearance", *over, "-o", str(tmp_path), "--json"))
+    assert not end.value.code
+    data = json.loads(capsys.readouterr().out)
+    assert [row["value"] for row in data["rows"]] == [10e-6, 25e-6]
+    first, second = ([motion[:4] for motion in row["motions"]] for row in data["rows"])
+    assert first == [[100.0, "periodic", 1, 1], [110.0, "periodic", 1, 1], [120.0, "periodic", 1, 1]]
+    assert second[-1] == [120.0, "chaotic", 0, 0]
+    assert len((tmp_path / "motions.csv").read_text().splitlines()) == 7
+    assert "largest exponent" in (tmp_path / "report.html").read_text()
+
+
 def test_what_has_no_orbit_is_refused_with_the_reason():
     with pytest.raises(BadInput, match="sampled controller"):
         orbits(cosimo.load_scene("gimbal-scan"))

@@ -9,12 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from ....derivatives.continuation import Branch, Orbits
+from ....derivatives.motions import CHAOTIC, MOTION_COLUMNS, NEITHER, NONE, PERIODIC, REGULAR
 from ....derivatives.orbit import Orbit
+from ....derivatives.orbit_map import OrbitMap
 from ...charts.blocks import Block, Cells, Figure, Text
-from ...charts.chart import Chart, Panel, Series
+from ...charts.chart import Chart, Panel, Picture, Series
 from ...charts.charts import draw_chart
 from ..page import Page, Section, write_page
 
+KINDS = (PERIODIC, CHAOTIC, NEITHER, REGULAR, NONE)
 SIGNALS = 3  # that are drawn over a parameter
 
 
@@ -48,6 +51,17 @@ def orbit_cells(study: Orbits) -> list[Cells]:
         (m.kind, f"{m.orbit.value:.6g}", f"{m.orbit.period:.6g}", f"{m.multiplier.real:.4f}", f"{m.multiplier.imag:.4f}")
         for m in study.marks
     ]
+    regimes = [
+        (
+            f"{m.value:.6g}",
+            m.kind,
+            str(m.stable),
+            str(m.periods or "-"),
+            f"{m.exponent:.4g}",
+            f"{m.error:.2g}" if m.error else "-",
+        )
+        for m in study.motions
+    ]
     header = ("bifurcation", study.parameter, "period, s", "multiplier, real", "imaginary")
     branches: list[tuple[str, ...]] = [
         (str(k), str(b.multiple), str(len(b.points)), *_range(b), f"{sum(p.stable for p in b.points)}")
@@ -55,7 +69,48 @@ def orbit_cells(study: Orbits) -> list[Cells]:
     ]
     columns = ("branch", "periods", "orbits", "from", "to", "stable")
     right = frozenset(range(1, 6))
-    return [Cells("Bifurcations", header, marks, right=right), Cells("Branches", columns, branches, right=right)]
+    cells = [Cells("Bifurcations", header, marks, right=right), Cells("Branches", columns, branches, right=right)]
+    return [*cells, Cells("Motions", (study.parameter, *MOTION_COLUMNS), regimes, right=right - {1})] if regimes else cells
+
+
+def for_orbit_map(study: OrbitMap, directory: str | Path) -> Path:
+    """`report.html` of orbits over two parameters."""
+    x, y = [motion.value for motion in study.rows[0][1].motions], [value for value, _ in study.rows]
+    map_of = Picture(x, y, study.exponents, "largest exponent, 1/s", "diverging", (0.0,))
+    kinds: dict[str, list[tuple[float, float]]] = {}
+    for value, mark in study.marks:
+        kinds.setdefault(mark.kind, []).append((mark.orbit.value, value))
+    points = tuple(Series(kind, np.array(at)[:, 0], np.array(at)[:, 1], "points") for kind, at in kinds.items())
+    chaotic = np.array([(m.value, value) for value, row in study.rows for m in row.motions if m.kind == CHAOTIC]).reshape(-1, 2)
+    text = (
+        "The largest Lyapunov exponent: of a stable orbit where one was found, else measured along a run. Above 0 (line) the motion is "
+        "chaotic where the exponent is larger than its error, at the dots. Other motions may exist beside the one that is shown."
+    )
+    dots = Series("chaotic", chaotic[:, 0], chaotic[:, 1], "points")
+    chart = Chart("Largest exponents", study.over, (Panel(study.across, (dots,), picture=map_of),), text, height=420)
+    bifurcations = Chart("Bifurcations", study.over, (Panel(study.across, points),), height=420)
+    blocks: list[Block] = [draw_chart(chart), draw_chart(bifurcations), map_cells(study)]
+    notes = [f"{study.across} = {v:g}, {study.over} = {at:g}: {why}." for v, row in study.rows for at, why in row.gaps]
+    notes += [
+        f"{study.across} = {v:g}, branch {k}: {'; '.join(branch.ends)}."
+        for v, row in study.rows
+        for k, branch in enumerate(row.branches, 1)
+    ]
+    blocks.append(Text(notes, "note"))
+    lead = "Fixed points of the map over a period, and exponents of motions where none is stable."
+    page = Page(study.scene.title or study.scene.name, lead, [Section("Periodic orbits over two parameters", blocks)])
+    return write_page(page, Path(directory) / "report.html")
+
+
+def map_cells(study: OrbitMap) -> Cells:
+    """For each value of the second parameter how many of the first have motions of each kind, and which are chaotic."""
+    rows = []
+    for value, row in study.rows:
+        kinds = [motion.kind for motion in row.motions]
+        which = ", ".join(f"{motion.value:.4g}" for motion in row.motions if motion.kind == CHAOTIC)
+        rows.append((f"{value:.4g}", *(str(kinds.count(kind)) for kind in KINDS), str(len(row.marks)), which))
+    header = (study.across, *KINDS, "bifurcations", f"chaotic at {study.over}")
+    return Cells("Motions", header, rows, right=frozenset(range(len(KINDS) + 2)))
 
 
 def _range(branch: Branch) -> tuple[str, str]:
