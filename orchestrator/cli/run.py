@@ -163,7 +163,7 @@ def run(
     Preview: cosimo run scene.toml --step 2e-3 --dry-run. Continue after an interrupt: cosimo run scene.toml -o out
     --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..judgement.verification import run as run_scene
+    from ..judgement.verification import run_verified
     from . import run_parts
 
     recorded = listed("--record", record) if record else None
@@ -228,7 +228,7 @@ def run(
         return
     with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
         # at the pace of the clock nothing is written or drawn between the steps
-        result = run_scene(
+        result = run_verified(
             loaded,
             verify=mode,
             in_process=in_process,

@@ -15,7 +15,7 @@ from ..run.thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from ..scene.scene import Scene
 from ..units.kinds import UnitKind
 from .advice import Advice, StabilityAdvice
-from .verification import run
+from .verification import run_verified
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
@@ -134,7 +134,7 @@ def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
     length = min(max(PREFIX_STEPS * step, PROBED * scene.duration), scene.duration)
     if length / step * advice.work > PREFIX_WORK:
         return f"no trial run of the first {length:.3g} s: it takes about {length / step * advice.seconds:.2g} s", []
-    result = run(work.beginning(scene, length), in_process=True)
+    result = run_verified(work.beginning(scene, length), in_process=True)
     verification = result.info.verification
     if result.outcome != "done" or not verification.done:
         return f"trial run of the first {length:.3g} s: {result.outcome}. {result.message or verification.why}", []

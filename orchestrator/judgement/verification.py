@@ -38,7 +38,7 @@ from ..run.comparison import (
 from ..run.instability import unfollowed
 from ..run.key_results import KeyResults, key_results, known_results
 from ..run.results import Result
-from ..run.run import run as run_once
+from ..run.run import run
 from ..run.thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
 from ..run.windows import WindowsWish
 from ..scene.scene import Scene
@@ -66,7 +66,7 @@ WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "steps", "no")
 Distances = Callable[[Result, Result], Mapping[str, float]]  # shares by which a run and a finer one differ in quantities, by name
 
 
-def run(
+def run_verified(
     scene: Scene,
     *,
     verify: Wish = "auto",
@@ -94,7 +94,7 @@ def run(
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
     tolerances_of(scene)  # what cannot be is refused before the run
     wish = WindowsWish() if verify in ("auto", "steps") and work.as_repeated(scene, in_process) else None
-    result = run_once(
+    result = run(
         scene,
         in_process=in_process,
         native=native,
@@ -202,7 +202,7 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
     Raises `Interrupted` where a signal has stopped it.
     """
     try:
-        again = run_once(scene.with_changes(changes), in_process=True)
+        again = run(scene.with_changes(changes), in_process=True)
     except BadInput as error:  # such as an FMU whose step is fixed
         return None, _Why(str(error))
     if again.outcome == "stopped":
@@ -341,7 +341,7 @@ def work_of(scene: Scene, counted: float | None) -> float:
 
     Raises `BadInput` where a unit cannot be opened in this process, `Interrupted` where a signal has come.
     """
-    return counted if counted is not None else work.from_part(run_once(work.to_count(scene), in_process=True), scene.duration)
+    return counted if counted is not None else work.from_part(run(work.to_count(scene), in_process=True), scene.duration)
 
 
 def _work(result: Result) -> float:
@@ -351,7 +351,7 @@ def _work(result: Result) -> float:
 def _over_windows(scene: Scene) -> Verification:
     """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which is bit-identical."""
     wish = WindowsWish(in_any_case=True)
-    again = run_once(scene, in_process=True, windows=wish)
+    again = run(scene, in_process=True, windows=wish)
     if again.outcome == "stopped":
         raise Interrupted(Signals[again.info.signal])
     return _of_windows(scene, wish) if again.outcome == "done" else Verification(False, again.message)

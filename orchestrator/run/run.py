@@ -64,7 +64,7 @@ def run(
     remedy: Remedy | None = None,
     fmu_log: str = DEFAULT,
 ) -> Result:
-    """Simulate a scene to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
+    """Simulate a scene to its stop_time, once: `judgement.verification.run_verified` repeats it to find the errors of its numbers.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
     run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails gives a partial

@@ -164,12 +164,13 @@ def run(
 ) -> Result:
     """Simulate a scene, given as such, by its name or by its path, to its stop_time, and find the error of each number.
 
-    verify: as of `judgement.verification.run`: "auto", "whole", "full", "steps" or "no".  output: a directory for the result, written as
-    it comes.  checkpoint_every: s of simulated time, after which the file `checkpoint_to` is written.  resume: such a file.
+    verify: as of `judgement.verification.run_verified`: "auto", "whole", "full", "steps" or "no".
+    output: a directory for the result, written as it comes.  resume: a file of `checkpoint_to`, which is written every
+    `checkpoint_every` s of simulated time.
     real_time: no macro step ends before its time on the clock.  fmu_log: the level from which on messages of foreign FMUs are kept.
     Raises `BadInput` for what cannot start.
     """
-    from ..judgement.verification import run as run_verified
+    from ..judgement.verification import run_verified
 
     return run_verified(
         scene_of(scene),

@@ -30,7 +30,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ...orchestrator.harness.studies.settings_axes import coupling_changes
-from ...orchestrator.judgement.verification import run as verified_run
+from ...orchestrator.judgement.verification import run_verified
 from ...orchestrator.run.results import Result
 from ...orchestrator.run.run import run as run_once
 from ...orchestrator.scene.meshes import meshes_of
@@ -159,7 +159,7 @@ class Hunt:
             return self.of_mesh(choice)
         since = process_time()
         try:
-            result = quietly(verified_run, self.scene.with_changes(self.changes(choice)), verify="steps")
+            result = quietly(run_verified, self.scene.with_changes(self.changes(choice)), verify="steps")
         except BadInput as error:
             return Run(asdict(choice), "refused", str(error), "refused")
         reference = self.reference(choice)
@@ -180,7 +180,7 @@ class Hunt:
         since = process_time()
         try:
             scene = self.scene.with_changes(self._moved(choice.factors))
-            result = quietly(verified_run, scene, verify="whole")
+            result = quietly(run_verified, scene, verify="whole")
             own = scene.with_changes(refined(scene, FINER_MESH**-2))
             elements = {
                 p: m.value / FINER_MESH if m.by_length else int(m.value) * FINER_MESH for p, m in meshes_of(scene).items()

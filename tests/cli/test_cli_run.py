@@ -221,7 +221,7 @@ def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
 
 def test_a_dry_run_of_a_long_run_answers_at_once(capsys, monkeypatch):
     """Internal steps of 1 ns: the first part alone would take minutes."""
-    monkeypatch.setattr(dry_run, "run", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(dry_run, "run_verified", lambda *_, **__: pytest.fail("it ran"))
     assert exit_code("run", "mass-on-spring", "--in-process", "--set", "mass.substep=1e-9", "--dry-run") == 0
     assert "no trial run of the first" in capsys.readouterr().out
 

@@ -29,7 +29,7 @@ main(sys.argv[5:])
 """
 # moment: module, function, before which of its calls, whether rows are kept
 MOMENTS = {
-    "start": ("cosimo.orchestrator.judgement.verification", "run", 1, False),
+    "start": ("cosimo.orchestrator.judgement.verification", "run_verified", 1, False),
     "FMUs": ("cosimo.orchestrator.run.run", "OpenScene", 1, False),
     "units": ("cosimo.orchestrator.opened.open_scene", "stepping_of", 1, False),
     "stepping": ("cosimo.orchestrator.run.instability", "InstabilityMonitor._judged", 3, True),

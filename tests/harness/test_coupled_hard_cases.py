@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.verification import run as verified_run
+from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.commands import exit_code
@@ -67,7 +67,7 @@ def test_past_the_couplings_limit_a_linear_contact_fails_with_a_message(scene, a
 
 def test_past_the_limit_a_unilateral_contact_stays_finite_and_is_plainly_wrong(scene, reference):
     """Loss of contact limits the growth: the run ends, and says that the macro step was too long."""
-    result = verified_run(scene.with_changes({"master.step": 0.05, "master.algorithm": "jacobi"}), in_process=True)
+    result = run_verified(scene.with_changes({"master.step": 0.05, "master.algorithm": "jacobi"}), in_process=True)
     assert np.isfinite(values(result)).all()
     assert result["pantograph.contact_force"].max() > 4.0 * reference["pantograph.contact_force"].max()
     assert result["pantograph.contact_force"].min() == 0.0 < reference["pantograph.contact_force"].min()

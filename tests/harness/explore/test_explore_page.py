@@ -207,7 +207,7 @@ def with_errors_of_steps(scene):
         patch.setattr(verification, "between", lambda *_: {})
         patch.setattr(verification, "of_parts", lambda *_: {})
         patch.setattr(verification, "_with_mesh", lambda _, verified, *__: verified)
-        return verification.run(scene, verify="whole", in_process=True)
+        return verification.run_verified(scene, verify="whole", in_process=True)
 
 
 @pytest.mark.full

@@ -13,7 +13,7 @@ from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
 from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, place_of
 from cosimo.orchestrator.harness.studies.quantities import distances, recording
-from cosimo.orchestrator.judgement.verification import run as run_verified
+from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.orchestrator.run.run_record import RunRecord, VerificationRecord
 from cosimo.orchestrator.scene.files import scene_files
 from cosimo.orchestrator.systems import load_scene

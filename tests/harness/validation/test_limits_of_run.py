@@ -139,7 +139,7 @@ def test_a_case_is_judged_by_one_line(tmp_path):
     ],
 )
 def test_a_scene_with_nothing_to_compare_is_refused_before_it_runs(scene, options, word, capsys, monkeypatch):
-    monkeypatch.setattr(verification, "run_once", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(verification, "run", lambda *_, **__: pytest.fail("it ran"))
     with pytest.raises(SystemExit) as exit_:
         main(["run", scene, "--in-process", *options])
     assert exit_.value.code == 2

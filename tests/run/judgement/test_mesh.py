@@ -92,8 +92,8 @@ def test_the_error_is_never_below_the_true_one_and_at_low_orders_near_it(compone
 
 def test_a_second_run_of_a_scene_pays_nothing_and_a_changed_or_damaged_one_is_measured_anew(cache, monkeypatch):
     runs = []
-    once = verification.run_once
-    monkeypatch.setattr(verification, "run_once", lambda s, **more: runs.append(s) or once(s, **more))
+    once = verification.run
+    monkeypatch.setattr(verification, "run", lambda s, **more: runs.append(s) or once(s, **more))
 
     def made(**parameters):
         runs.clear()

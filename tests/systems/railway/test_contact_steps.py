@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo import Result, load_scene
-from cosimo.orchestrator.judgement.verification import run as verified_run
+from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.orchestrator.run.run import run
 
 FORCE = "pantograph.contact_force"
@@ -36,7 +36,7 @@ def test_a_diverging_contact_is_never_silent(stiffer):
     assert not reference.info.warnings
     silent, diverged = [], 0
     for factor in (1, 2, 5, 10, 20, 50):
-        result = verified_run(scene.with_changes({"master.step": factor * step}), in_process=True)
+        result = run_verified(scene.with_changes({"master.step": factor * step}), in_process=True)
         warned = bool(result.info.warnings) or result.outcome != "done"
         wrong = (
             error(result, reference) > WITHIN
