@@ -37,7 +37,10 @@ TURNS = 50  # of the shaft, in the shortest record
 
 @dataclass(frozen=True)
 class FoundLine:
-    """Of a place of the bearing: expected and best frequency, Hz; power of its weakest multiple over the local mean; the probability by chance."""
+    """Of a place of the bearing: expected and best frequency, Hz.
+
+    strength: power of its weakest multiple over the local mean.  p: probability by chance.
+    """
 
     place: str
     expected: float

@@ -57,7 +57,9 @@ def test_the_pit_of_a_simulated_outer_race_is_found_from_a_file(tmp_path, capsys
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "A defect: outer race (BPFO)."
     assert "expected    92.54 Hz" in lines[1]
-    assert all(float(line.rpartition(" ")[2]) > LEVEL for line in lines[2:])  # also of the ball, a multiple of which is the outer race's
+    assert all(
+        float(line.rpartition(" ")[2]) > LEVEL for line in lines[2:]
+    )  # also of the ball, a multiple of which is the outer race's
 
 
 def test_what_cannot_be_judged_is_refused(tmp_path, capsys):
