@@ -15,7 +15,7 @@ from .new import new
 from .new_scene import File, write_new
 from .options import AsJson, Changes, Output, Presets, SceneName, Step, reports
 
-SAMPLES, NOISE = 400, 0.01  # of a new plan: about how many, and their noise as a share of the signal's standard deviation
+SAMPLES, NOISE = 400, 0.1  # of a new plan: about how many, and their noise as a share of the signal's standard deviation
 PlanOfEstimate = Annotated[Path, Option(help="TOML file with the measured signals, and with what is not known.")]
 
 

@@ -22,7 +22,7 @@ def for_estimate(study: Estimate, directory: str | Path) -> Path:
     word = "explained" if verdict.explains else "not explained"
     numbers = [(word, "the measurement, by the model", "")]
     numbers += [
-        (f"{shown(p.value, REACH * p.deviation)} {'' if p.unit == '1' else p.unit}".strip(), p.name, "")
+        (f"{shown(p.value, p.deviation)} {'' if p.unit == '1' else p.unit}".strip(), f"{p.name}, ± standard deviation", "")
         for p in study.parameters[:4]
     ]
     first: list[Block] = [Answer(numbers), Text([str(verdict)], "" if verdict.explains else "warning")]
