@@ -153,6 +153,8 @@ def test_at_a_period_doubling_a_branch_of_two_periods_begins_that_scipy_closes()
     doublings = [mark.orbit.value for mark in study.marks if mark.kind == DOUBLING and mark.orbit.period < 0.03]
     assert doublings == pytest.approx([74.112, 74.226], abs=2e-3)
     (twice,) = [branch for branch in study.branches if branch.multiple == 2]
+    assert twice.ends[-1].startswith("merges with the branch of half its period at 74.226")
+    assert len(twice.points) < 50  # not followed round and round, its halves exchanged
     orbit = next(point for point in twice.points if point.stable and doublings[0] + 0.02 < point.value < doublings[1] - 0.02)
     single = 0.5 * orbit.period
     y = orbit.unknown[:4]
