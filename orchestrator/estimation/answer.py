@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import floor, isfinite, log10
 from pathlib import Path
@@ -18,6 +18,7 @@ from .filtering import History, Innovations
 from .measurements import Measurements
 from .model import Unknown
 from .observability import Observability
+from .posterior import Posterior
 from .verdict import Verdict
 
 REACH = 1.959963984540054  # standard deviations of a band that holds 95 %
@@ -53,10 +54,10 @@ class Parameter:
     error: float = float("nan")
 
     @classmethod
-    def of(cls, unknown: Unknown, q: float, deviation: float) -> Parameter:
-        """Of the number q of an unknown, and its standard deviation."""
+    def of(cls, unknown: Unknown, q: float, deviation: float, ends: Sequence[float] = ()) -> Parameter:
+        """Of the number q of an unknown, its standard deviation, and the ends of its 95 %; default: those of a normal distribution."""
         bounds = unknown.bounds
-        low, high = sorted(bounds.outer(q + way * REACH * deviation) for way in (-1.0, 1.0))
+        low, high = sorted(bounds.outer(end) for end in ends or (q - REACH * deviation, q + REACH * deviation))
         before = unknown.deviation * bounds.slope(unknown.mean)
         walks = unknown.walk > 0.0
         return cls(
@@ -114,6 +115,7 @@ class Estimate:
     how: the filter.  names: of signals and states, with units by name.  history: over time, see `series` and `walk`.  learnt: the
     same by the measurements up to each time alone.  figures: of the scene, over all that was
     measured.  noise: (k,) of the signals.  errors: numerical, rms over time, by name.
+    posterior: of constants, where runs follow from them.
     """
 
     scene: Scene
@@ -130,6 +132,7 @@ class Estimate:
     verdict: Verdict
     figures: tuple[FigureBand, ...] = ()
     errors: Mapping[str, float] = field(default_factory=dict)
+    posterior: Posterior | None = None
 
     @property
     def time(self) -> np.ndarray:

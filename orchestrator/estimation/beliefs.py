@@ -11,37 +11,51 @@ from .model import Model
 
 
 class Extended:
-    """Columns by the derivatives of the coupled step (extended Kalman filter); the mean is the run itself.
+    """Columns by the derivatives of the coupled step (extended Kalman filter).
 
-    sensitivities: (l, s) of the mean's live cells by suspected numbers, whose fixed cells move along `by` (f, s).
+    The scene itself stands where its constants are those of `model.at`, and all else is as the measurements say if they are. Where
+    they are held there, their mean is carried beside by derivatives, as the columns are; else it moves with each update, and the
+    scene stands at the mean.
+
+    sensitivities, q_sensitivities: (l, s) and (p, s) of the mean by suspected numbers, whose fixed cells move along `by` (f, s).
     """
 
     exact = True
 
-    def __init__(self, model: Model, cells: np.ndarray | None = None, by: np.ndarray | None = None):
-        """cells: of suspected numbers, and what follows from them, (f,), which move along by, (f, s)."""
+    def __init__(self, model: Model, cells: np.ndarray | None = None, by: np.ndarray | None = None, hold: bool = False):
+        """cells: of suspected numbers, and what follows from them, (f,), which move along by, (f, s).  hold: the constants."""
         self.model = model
         model.begin()
-        self.q = np.array([u.mean for u in model.unknowns])
-        model.follow(self.q)
+        expected, self._q = np.array([u.mean for u in model.unknowns]), model.at.copy()
+        model.follow(self._q)
         deviations = np.array([u.deviation for u in model.unknowns])
-        slopes = np.array([u.bounds.slope(u.mean) for u in model.unknowns])
+        slopes = np.array([u.bounds.slope(v) for u, v in zip(model.unknowns, self._q, strict=True)])
         moved, numbers = model.kicks(True, 0.0)
-        self.T = np.hstack([model.prior(model.cells) * slopes * deviations, moved])
+        along = model.prior(model.cells) * slopes
+        self.T = np.hstack([along * deviations, moved])
         self.Tq = np.hstack([np.diag(deviations), numbers])
+        self._held_rows = model.constants if hold else model.constants[:0]
+        self._off_q = expected - self._q
+        self._off = along @ self._off_q
         self.forgets = np.array([model.block.h / u.memory for u in model.unknowns])
         cells = model.derived[:0] if cells is None else cells
         self._held = np.union1d(model.derived, cells)
         self._derived, self._suspected = np.searchsorted(self._held, model.derived), np.searchsorted(self._held, cells)
         count = 0 if by is None else by.shape[1]
         self._by, self.sensitivities = np.zeros((self._held.size, count)), np.zeros((model.live.size, count))
+        self.q_sensitivities = np.zeros((len(model.unknowns), count))
         if by is not None:
             self._by[self._suspected] = by
 
     @property
     def live(self) -> np.ndarray:
         """The mean of the live cells, (l,)."""
-        return self.model.block.cells[self.model.live]
+        return self.model.block.cells[self.model.live] + self._off
+
+    @property
+    def q(self) -> np.ndarray:
+        """The mean of the numbers of the unknowns, (p,)."""
+        return self._q + self._off_q
 
     def put(self, cells: np.ndarray, numbers: np.ndarray) -> None:
         """Inputs that are known from here on, (n,)."""
@@ -55,25 +69,48 @@ class Extended:
         keeps = np.exp(-self.forgets)
         if (keeps < 1.0).any():
             start = np.array([u.mean for u in self.model.unknowns])
-            self.q, self.Tq = start + keeps * (self.q - start), self.Tq * keeps[:, None]
-            self.model.follow(self.q)
+            self._q = np.where(keeps < 1.0, start + keeps * (self._q - start), self._q)
+            self._off_q, self.Tq = keeps * self._off_q, self.Tq * keeps[:, None]
+            self.q_sensitivities = self.q_sensitivities * keeps[:, None]
+            self.model.follow(self._q)
 
     def carry(self) -> None:
         """A macro step on, without disturbances."""
         model, c = self.model, self.T.shape[1]
-        held = np.hstack([np.zeros((self._held.size, c)), self._by])
-        held[self._derived, :c] = model.along @ self.Tq
+        off = self._off_q.any() or self._off.any()
+        columns = [self.T, *([self._off[:, None]] if off else []), self.sensitivities]
+        of_unknowns = np.hstack([self.Tq, *([self._off_q[:, None]] if off else []), self.q_sensitivities])
+        held = np.zeros((self._held.size, of_unknowns.shape[1]))
+        held[self._derived] = model.along @ of_unknowns
+        if self._by.shape[1]:
+            held[:, -self._by.shape[1] :] += self._by
         cells = np.concatenate([model.live, self._held])
-        moved = model.propagate(cells, np.vstack([np.hstack([self.T, self.sensitivities]), held]))
-        self.T, self.sensitivities = moved[:, :c], moved[:, c:]
+        moved = model.propagate(cells, np.vstack([np.hstack(columns), held]))
+        self.T, self.sensitivities = moved[:, :c], moved[:, c + off :]
+        if off:
+            self._off = moved[:, c]
+
+    def doubt(self, w: np.ndarray) -> None:
+        """How the coming `take` moves by suspected numbers, (c, s)."""
+        self.sensitivities = self.sensitivities - self.T @ w
+        self.q_sensitivities = self.q_sensitivities - self.Tq @ w
 
     def take(self, w: np.ndarray, W: np.ndarray) -> None:
         """What an update says: the mean moves by the columns times w, (c,), they become columns times W, (c, d)."""
-        if w.any():
-            self.model.block.cells[self.model.live] += self.T @ w
-            self.q = self.q + self.Tq @ w
-            self.model.follow(self.q)
+        moved, moved_q = self._off + self.T @ w, self._off_q + self.Tq @ w
         self.T, self.Tq = self.T @ W, self.Tq @ W
+        if not w.any():
+            return
+        rows, self._off, self._off_q = self._held_rows, np.zeros(moved.size), np.zeros(moved_q.size)
+        if rows.size:  # what constants off their place bring along; the scene moves by the rest
+            sizes = np.array([self.model.unknowns[k].deviation for k in rows])
+            a = np.linalg.lstsq(self.Tq[rows] / sizes[:, None], moved_q[rows] / sizes, rcond=None)[0]
+            self._off, self._off_q = self.T @ a, self.Tq @ a
+            self._off_q[rows] = moved_q[rows]
+        self.model.block.cells[self.model.live] += moved - self._off
+        if (further := moved_q - self._off_q).any():
+            self._q = self._q + further
+            self.model.follow(self._q)
 
 
 class Unscented(Extended):
@@ -93,11 +130,11 @@ class Unscented(Extended):
             for k in range(count):
                 block.restore(before)
                 model.block.cells[model.live] += way * self.T[:, k]
-                model.follow(self.q + way * self.Tq[:, k])
+                model.follow(self._q + way * self.Tq[:, k])
                 block.advance(1)
                 ends[side, k] = model.block.cells[model.live]
         block.restore(before)
-        model.follow(self.q)
+        model.follow(self._q)
         block.advance(1)
         mean = ends.mean(axis=(0, 1)) if count else self.live
         model.block.cells[model.live] = mean

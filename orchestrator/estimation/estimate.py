@@ -13,16 +13,18 @@ from ...components.core.errors import BadInput, StepFailed
 from ..scene.scene import Scene
 from ..scene.shorter_steps import shorter
 from ..settings.estimate import EstimateSettings
-from .answer import Estimate
+from .answer import Estimate, Parameter
 from .figures import figure_bands
 from .filtered_scene import ENSEMBLE, EXTENDED, UNSCENTED, FilteredScene, PlanLike, plan_of
 from .filtering import Filter, history
 from .measurements import Data, Measurements, measurements_of
 from .observability import Observability, observability
+from .posterior import MAY_NOT, Posterior, Runs, posterior
 from .suspects import judged
 from .verdict import verdict
 
 NOISE_ROUNDS, NOISE_AGREES = 8, 0.02  # of the search for the noise; relative
+PASSES, STANDS = 8, 0.1  # of the filter, for constants; standard deviations by which these move from pass to pass
 LARGE = 0.5  # standard deviations that a numerical error may have
 WORSE = 2.0  # log units that the error of the steps may take from the likelihood
 HOW = {EXTENDED: "extended Kalman filter", UNSCENTED: "unscented Kalman filter", ENSEMBLE: "ensemble of {}"}
@@ -57,10 +59,18 @@ class _Record:
     """A record of measurements, from the survey of the scene's cells to the answer."""
 
     def __init__(
-        self, scene: Scene, plan: EstimateSettings, measured: Measurements, stack: ExitStack, where: str, again: bool = False
+        self,
+        scene: Scene,
+        plan: EstimateSettings,
+        measured: Measurements,
+        stack: ExitStack,
+        where: str,
+        coarse: Estimate | None = None,
     ):
-        """again: with other steps, for the numbers alone."""
-        self.again, self.plan = again, plan
+        """coarse: the answer with other steps, of which this is for the numbers alone."""
+        self.again, self.plan, self.coarse = coarse is not None, plan, coarse.posterior if coarse else None
+        self.known: Posterior | None = None
+        self.moves = 0.0
         step, first = scene.master.step, scene.start_time
         if not measured.time[-1] > first:
             raise BadInput(f"{where}: measured", f"times up to {measured.time[-1]:g} s", f"some behind the start, {first:g} s")
@@ -69,7 +79,7 @@ class _Record:
         self.measured, self.left_out = filtered.measured, int(measured.time.size - filtered.measured.time.size)
         self.noise = filtered.noise = self.measured.rough_noise()
         self.observable = Observability((), np.zeros(0), ())
-        if not (again or filtered.model.large):
+        if not (self.again or filtered.model.large):
             self.observable = observability(filtered.model, self.measured, self.noise)
 
     def _run(self, doubts: bool, smooth: bool) -> Filter:
@@ -77,10 +87,10 @@ class _Record:
         filtered.run(self.measured)
         return filtered
 
-    def _find_noise(self) -> None:
+    def _find_noise(self) -> bool:
         """Standard deviations that are not known: the residual behind an update times the innovation before it has the mean R
-        (Desroziers et al. 2005; recalled)."""
-        unknown = np.flatnonzero(np.isnan(self.measured.noise))
+        (Desroziers et al. 2005; recalled). Whether they have changed."""
+        unknown, first = np.flatnonzero(np.isnan(self.measured.noise)), self.noise.copy()
         for _ in range(NOISE_ROUNDS if unknown.size else 0):
             innovations, before = self._run(False, False).innovations, self.noise.copy()
             which, residual = np.array(innovations.which), np.array(innovations.residual)
@@ -88,15 +98,52 @@ class _Record:
             for k in unknown:
                 self.noise[k] = np.sqrt(max(float(product[which == k].mean()), (1e-3 * before[k]) ** 2))
             if (np.abs(self.noise / before - 1.0) < NOISE_AGREES).all():
+                break
+        return bool((np.abs(self.noise / first - 1.0) > NOISE_AGREES).any())
+
+    def _find_constants(self) -> None:
+        """Where constants are linearised: at the maximum of their likelihood, or where a filter that begins there ends."""
+        model, filtered = self.filtered.model, self.filtered
+        self.known, self.moves = None, 0.0
+        if filtered.name != EXTENDED or not model.constants.size:
+            return
+        if not model.disturbs:
+            runs = Runs(model, self.measured, self.noise)
+            if self.coarse is None:
+                self.known = posterior(runs)
+            else:  # of the same maximum with other steps, all else is as it was
+                at = runs.climb((self.coarse.at - runs.mean) / runs.deviation).u
+                self.known = self.coarse.moved(runs.mean + runs.deviation * at - self.coarse.at)
+            model.at, filtered.hold = self.known.at, True
+            return
+        for _ in range(PASSES):
+            belief, k = self._run(False, False).belief, model.constants
+            moved = belief.q[k] - model.at[k]
+            model.at, filtered.hold = model.at.copy(), True
+            model.at[k] = belief.q[k]
+            self.moves = float(np.max(np.abs(moved) / np.sqrt((belief.Tq[k] ** 2).sum(axis=1))))
+            if self.moves < STANDS:
                 return
 
     def answer(self) -> Estimate:
         """Filter, smooth and judge."""
         self._find_noise()
+        self._find_constants()
+        if self._find_noise():
+            self._find_constants()
         doubts = self.filtered.name == EXTENDED and not self.again
         done = self._run(doubts, self.plan.smooth)
-        filtered, model, innovations = self.filtered, self.filtered.model, done.innovations
         q, deviations = done.belief.q, np.sqrt((done.belief.Tq**2).sum(axis=1))
+        parameters, remarks = self.filtered.parameters(done.belief), []
+        if (known := self.known) is not None:
+            q, deviations = known.mean, known.deviation
+            done.track.end = known.columns(done.belief)
+            every = zip(self.filtered.model.unknowns, q, deviations, zip(known.low, known.high, strict=True), strict=True)
+            parameters, remarks = tuple(Parameter.of(*one) for one in every), known.remarks(self.filtered.model.unknowns)
+        elif self.moves >= STANDS:
+            text = f"constants do not settle: from pass to pass they move by {self.moves:.2g} standard deviations"
+            remarks = [f"{text}. {MAY_NOT}"]
+        filtered, model, innovations = self.filtered, self.filtered.model, done.innovations
         some, sensors = filtered.suspected, self.measured
         suspects = judged(model, some, sensors.signals, sensors.units, innovations) if doubts and some else []
         interfaces = model.scene.coupling.interfaces
@@ -105,7 +152,7 @@ class _Record:
         seen = history(done.track, self.plan.smooth)
         seen = replace(seen, values=seen.values[:, kept], deviations=seen.deviations[:, kept])
         judgement = verdict(self.measured, innovations, model.unknowns, q, deviations, suspects)
-        remarks = [f"{self.left_out} measurements lie before the first step, and are left out"] * bool(self.left_out)
+        remarks += [f"{self.left_out} measurements lie before the first step, and are left out"] * bool(self.left_out)
         how = HOW[filtered.name].format(self.plan.members)
         why = "as asked for" if self.plan.filter else f"by default, {len(model.state)} states"
         return Estimate(
@@ -113,7 +160,7 @@ class _Record:
             self.measured,
             f"{how} ({why}){', smoothed' if self.plan.smooth else ''}",
             self.observable,
-            filtered.parameters(done.belief),
+            parameters,
             names,
             {n: units.get(n, "") for n in names},
             seen,
@@ -122,6 +169,7 @@ class _Record:
             self.noise,
             replace(judgement, remarks=(*remarks, *judgement.remarks)),
             figure_bands(filtered, done.track, filtered.where) if self.plan.smooth else (),
+            posterior=self.known,
         )
 
 
@@ -132,7 +180,7 @@ def _with_numerical_errors(
     known = replace(measured, noise=answer.noise)
     try:
         with ExitStack() as stack:
-            halved = _Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, again=True).answer()
+            halved = _Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, answer).answer()
     except (BadInput, StepFailed) as error:
         remarks = (*answer.verdict.remarks, f"no numerical error: with half of all steps, {error}")
         return replace(answer, verdict=replace(answer.verdict, remarks=remarks))

@@ -28,7 +28,10 @@ MISSING = 0.05  # of the paths: a figure that more of them do not have is left o
 def drawn_paths(track: Track, rows: Sequence[int], seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Of a track with its way back: (rows over time (k, n, S), numbers q of the unknowns at the end (p, S)); the first path is the mean."""
     rng, some = np.random.default_rng(seed), list(rows)
-    a = np.hstack([np.zeros((track.q_columns[-1].shape[1], 1)), rng.standard_normal((track.q_columns[-1].shape[1], PATHS))])
+    mean, covariance = track.at_end()
+    sizes, axes = np.linalg.eigh(covariance)
+    drawn = (axes * np.sqrt(np.maximum(sizes, 0.0))) @ axes.T @ rng.standard_normal((mean.size, PATHS))
+    a = mean[:, None] + np.hstack([np.zeros((mean.size, 1)), drawn])
     q, values = track.q[-1][:, None] + track.q_columns[-1] @ a, []
     for k in range(len(track.time) - 1, -1, -1):
         if k < len(track.back):

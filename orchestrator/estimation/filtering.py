@@ -23,6 +23,7 @@ class Track:
 
     time: s.  values, columns: of the live rows that are kept, (n,) and (n, c).  q, q_columns: of the unknowns.
     back: (w, A, C) of the step to the next instant: a[k] = w + A b + noise of covariance C, with b that of the instant behind.
+    end: mean and covariance of a at the last instant, where they are known otherwise than by the filter.
     """
 
     time: list[float] = field(default_factory=list)
@@ -31,6 +32,12 @@ class Track:
     q: list[np.ndarray] = field(default_factory=list)
     q_columns: list[np.ndarray] = field(default_factory=list)
     back: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+    end: tuple[np.ndarray, np.ndarray] | None = None
+
+    def at_end(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean (c,) and covariance (c, c) of a at the last instant."""
+        count = self.q_columns[-1].shape[1]
+        return self.end or (np.zeros(count), np.eye(count))
 
 
 @dataclass
@@ -111,7 +118,7 @@ class Filter:
                 moves[:, -2 * y.size :] += np.hstack(
                     [np.eye(y.size)[k], np.eye(y.size)[k] * ((before - after) / self.dt)[k][:, None]]
                 )
-                belief.sensitivities -= belief.T @ (done.gain @ moves)
+                belief.doubt(done.gain @ moves)
             w, W, i = done.w, done.W, self.innovations
             i.which += k.tolist()
             i.time += time.tolist()
@@ -189,7 +196,7 @@ def history(track: Track, smooth: bool) -> History:
     The smoother (Rauch, Tung, Striebel) goes back over what each column was made of; no covariance is inverted.
     """
     values, deviations, q, q_deviations = [], [], [], []
-    beta, gamma = np.zeros(track.q_columns[-1].shape[1]), np.eye(track.q_columns[-1].shape[1])
+    beta, gamma = track.at_end()
     for k in range(len(track.time) - 1, -1, -1):
         T, Tq = track.columns[k], track.q_columns[k]
         if smooth and k < len(track.back):

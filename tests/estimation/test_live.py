@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.estimation.oscillator import NOISE, SIGNAL, Oscillator
+from cosimo.tests.estimation.oscillator import KICK, NOISE, SIGNAL, Oscillator
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 TRUTH = Oscillator(count=40)
@@ -23,12 +23,29 @@ def opened(**changes):
     return cosimo.open(TRUTH.scene(**({"stop_time": 10.0} | changes)))
 
 
-def test_step_by_step_is_the_whole_record_to_the_bit():
+def without_constants(**changes):
+    """The same, with a stiffness that wanders: a record is gone through once."""
+    start = {"mass.base_x": {"deviation": "20 mm"}, VELOCITY: {"deviation": 1.0, "walk": KICK}}
+    return plan(estimated={"spring.stiffness": {"deviation": "12 %", "walk": "0.5 N/m"}}, states=start) | changes
+
+
+def test_constants_of_a_record_are_gone_through_again():
     y, _ = TRUTH.drawn(1)
     record = TRUTH.estimate(y, **plan(smooth=False))
-    means, deviations = record.series(VELOCITY)
     with opened() as sim:
         sim.estimate(plan())
+        for t, value in zip(TRUTH.times, y, strict=True):
+            now = sim.assimilate(float(t), {SIGNAL: float(value)})
+    for p in now.parameters:
+        assert 0.0 < abs(p.value - record[p.name].value) < 0.3 * p.deviation
+
+
+def test_step_by_step_is_the_whole_record_to_the_bit():
+    y, _ = TRUTH.drawn(1)
+    record = TRUTH.estimate(y, **without_constants(smooth=False))
+    means, deviations = record.series(VELOCITY)
+    with opened() as sim:
+        sim.estimate(without_constants())
         for t, value in zip(TRUTH.times, y, strict=True):
             now = sim.assimilate(float(t), {SIGNAL: float(value)})
             k = int(np.argmin(np.abs(record.time - t)))
@@ -47,10 +64,10 @@ def test_instants_of_their_own_delays_and_gaps_are_those_of_a_record():
     data = {SIGNAL: (times + 0.02, y), VELOCITY: (times, states[:, 1] + 0.05 * rng.standard_normal(times.size))}
     data[VELOCITY][1][7] = np.nan
     measured = [{"signal": SIGNAL, "noise": NOISE, "delay": "20 ms"}, {"signal": VELOCITY, "noise": "5 cm/s"}]
-    record = cosimo.estimate(TRUTH.scene(), plan(measured=measured, smooth=False), data=data, halved=False)
+    record = cosimo.estimate(TRUTH.scene(), without_constants(measured=measured, smooth=False), data=data, halved=False)
     events = sorted((t, name, v) for name, (ts, vs) in data.items() for t, v in zip(ts.tolist(), vs.tolist(), strict=True))
     with opened() as sim:
-        sim.estimate(plan(measured=measured))
+        sim.estimate(without_constants(measured=measured))
         for t, name, value in events:
             now = sim.assimilate(t, {name: value})
             assert t - 0.02 - TRUTH.h < now.time <= t - 0.02 + 1e-9 or now.time == record.time[0]
