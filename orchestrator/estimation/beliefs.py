@@ -13,17 +13,16 @@ from .model import Model
 class Extended:
     """Columns by the derivatives of the coupled step (extended Kalman filter).
 
-    The scene itself stands where its constants are those of `model.at`, and all else is as the measurements say if they are. Where
-    they are held there, their mean is carried beside by derivatives, as the columns are; else it moves with each update, and the
-    scene stands at the mean.
+    The scene stands at the mean. Where `model.held` says where constants are linearised, it stands where constants are these, and all
+    else is as the measurements say if they are; the mean of the constants is carried beside by derivatives, as the columns are.
 
     sensitivities, q_sensitivities: (l, s) and (p, s) of the mean by suspected numbers, whose fixed cells move along `by` (f, s).
     """
 
     exact = True
 
-    def __init__(self, model: Model, cells: np.ndarray | None = None, by: np.ndarray | None = None, hold: bool = False):
-        """cells: of suspected numbers, and what follows from them, (f,), which move along by, (f, s).  hold: the constants."""
+    def __init__(self, model: Model, cells: np.ndarray | None = None, by: np.ndarray | None = None):
+        """cells: of suspected numbers, and what follows from them, (f,), which move along by, (f, s)."""
         self.model = model
         model.begin()
         expected, self._q = np.array([u.mean for u in model.unknowns]), model.at.copy()
@@ -34,7 +33,7 @@ class Extended:
         along = model.prior(model.cells) * slopes
         self.T = np.hstack([along * deviations, moved])
         self.Tq = np.hstack([np.diag(deviations), numbers])
-        self._held_rows = model.constants if hold else model.constants[:0]
+        self._held_rows = model.constants[:0] if model.held is None else model.constants
         self._off_q = expected - self._q
         self._off = along @ self._off_q
         self.forgets = np.array([model.block.h / u.memory for u in model.unknowns])

@@ -114,13 +114,13 @@ class _Record:
             else:  # of the same maximum with other steps, all else is as it was
                 at = runs.climb((self.coarse.at - runs.mean) / runs.deviation).u
                 self.known = self.coarse.moved(runs.mean + runs.deviation * at - self.coarse.at)
-            model.at, filtered.hold = self.known.at, True
+            model.held = self.known.at
             return
         for _ in range(PASSES):
             belief, k = self._run(False, False).belief, model.constants
             moved = belief.q[k] - model.at[k]
-            model.at, filtered.hold = model.at.copy(), True
-            model.at[k] = belief.q[k]
+            model.held = model.at.copy()
+            model.held[k] = belief.q[k]
             self.moves = float(np.max(np.abs(moved) / np.sqrt((belief.Tq[k] ** 2).sum(axis=1))))
             if self.moves < STANDS:
                 return

@@ -37,7 +37,6 @@ class FilteredScene:
     """A model of the scene, beliefs of what is not known of it, and filters that take them on.
 
     name: of the kind of filter.  noise: (k,) of the signals, NaN for what is not known.  suspected: what the last filter doubts.
-    hold: constants are linearised where `model.at` is, not where the mean is by and by.
     """
 
     def __init__(self, scene: Scene, plan: EstimateSettings, measured: Measurements, stack: ExitStack, where: str, steps: int):
@@ -48,17 +47,16 @@ class FilteredScene:
         self.measured = measured.within(model.block.time, np.inf)
         self.noise = measured.noise
         self.suspected: Suspected | None = None
-        self.hold = False
 
     def _belief(self, doubts: bool) -> Belief:
         if self.name == ENSEMBLE:
             return Ensemble(self.model, self.plan.members, self.plan.inflation, self.plan.seed)
         if self.name == UNSCENTED:
             return Unscented(self.model)
-        belief = Extended(self.model, hold=self.hold)
+        belief = Extended(self.model)
         if doubts:
             some = self.suspected = suspected(self.model, self.plan.suspected, self.measured.signals, self.noise, self.where)
-            belief = Extended(self.model, some.cells, some.by, self.hold)
+            belief = Extended(self.model, some.cells, some.by)
             belief.sensitivities = some.start.copy()
         return belief
 

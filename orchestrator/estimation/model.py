@@ -60,7 +60,7 @@ class Model:
 
     block: where it stands.  live: (l,) cells that directions reach, without those that follow from unknowns.  state: (n,) cells of the
     state among all.  derived: cells that follow from unknowns, their own among them.  stays: (n,) of bool, cells of units that keep what
-    an initialization has written.  at: (p,) numbers q of the unknowns where a filter begins.  constants: places of those that do not walk.
+    an initialization has written.  held: (p,) numbers q where constants are linearised.  constants: places of those that do not walk.
     """
 
     def __init__(self, scene: Scene, plan: EstimateSettings, stack: ExitStack, steps: int, where: str):
@@ -69,7 +69,7 @@ class Model:
         self.block = TangentBlock(scene, stack, remedy="")
         self.step = CoupledStep(self.block)
         self.unknowns = [self._unknown(name, plan, where) for name in plan.estimated]
-        self.at = np.array([u.mean for u in self.unknowns])
+        self.held: np.ndarray | None = None
         self.constants = np.array([k for k, u in enumerate(self.unknowns) if not u.walk], dtype=np.intp)
         self.cells = self.block.places(u.name for u in self.unknowns)
         self.signals = [".".join(end) for end in self.block.signals]
@@ -215,6 +215,11 @@ class Model:
     def set_unknowns(self, q: np.ndarray) -> None:
         """Numbers of the unknowns where initialization begins."""
         self.block.initial[self.cells] = [u.bounds.outer(v) for u, v in zip(self.unknowns, q, strict=True)]
+
+    @property
+    def at(self) -> np.ndarray:
+        """Numbers q of the unknowns where a filter begins, (p,)."""
+        return np.array([u.mean for u in self.unknowns]) if self.held is None else self.held
 
     @property
     def disturbs(self) -> bool:

@@ -81,9 +81,8 @@ class Posterior:
             for weight, mean in named:
                 values = (f"{u.name} = {u.bounds.outer(q):.4g} {u.unit}" for u, q in zip(unknowns, mean, strict=True))
                 each.append(f"{' with '.join(values)} ({weight:.0%})")
-            texts.append(
-                f"several values explain the measurement: {', or '.join(each)}. States and figures are those of the first"
-            )
+            text = f"several values explain the measurement: {', or '.join(each)}"
+            texts.append(f"{text}. States, figures and what was learnt over time are those of the first")
         if self.unseen > UNSEEN:
             text = (
                 f"of {self.starts} starts one alone has found what has {self.unseen:.0%} of the weight: there may be other values"
