@@ -51,8 +51,10 @@ def write_json(path: str | Path, content: Any) -> None:
         file.write("\n")
 
 
-def write_table(directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str]]) -> Path:
-    """A file of comma-separated values in the directory, which is created; numbers keep every bit, texts stand in quotes."""
+def write_table(
+    directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str | None]]
+) -> Path:
+    """A file of comma-separated values in the directory, which is created; numbers keep every bit, texts and None stand in quotes."""
     path = ensure_directory(directory) / name
     try:
         with replaced(path) as file:

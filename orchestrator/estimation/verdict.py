@@ -96,8 +96,8 @@ def verdict(
             )
         )
         if own.size >= LEAST:
-            p, how = white(own)
-            lags.append((p, f"innovations of {name} follow from earlier ones: {how}"))
+            chance, how = white(own)
+            lags.append((chance, f"innovations of {name} follow from earlier ones: {how}"))
     for title, pairs in (("mean of innovations", means), ("whiteness", lags)):
         if pairs:
             p_min, text = min(pairs)
