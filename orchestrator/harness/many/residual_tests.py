@@ -37,9 +37,9 @@ class ResidualTest:
         return not (self.size < self.limit or self.whiteness < self.limit)
 
     @property
-    def row(self) -> tuple[str, str, int, float, float | None, float | None, float]:
-        """Of a table."""
-        size, whiteness = (None if isnan(p) else p for p in (self.size, self.whiteness))
+    def row(self) -> tuple[str | float, ...]:
+        """Of a table; "" for what is not known."""
+        size, whiteness = ("" if isnan(p) else p for p in (self.size, self.whiteness))
         return (self.run, self.what, self.count, self.rms, size, whiteness, self.limit)
 
 

@@ -200,7 +200,7 @@ def for_fit(answer: SceneFit, directory: str | Path) -> Path:
                 right=frozenset({2, 3, 4}),
             )
         )
-    tests = [tuple(c if isinstance(c, str) else "" if c is None else number(c) for c in t.row) for t in answer.tests]
+    tests = [tuple(c if isinstance(c, str) else number(c) for c in t.row) for t in answer.tests]
     blocks.append(Cells("Residuals: noise alone?", RESIDUAL_TESTS, tests, right=frozenset(range(2, 7))))
     if len(names) > 1:
         cells = [(n, *(f"{c:.3f}".replace("-", "−") for c in row)) for n, row in zip(names, answer.fit.correlation, strict=True)]

@@ -74,7 +74,7 @@ def check_cells(study: Estimate) -> Cells:
     """Tests of the innovations as a table."""
     rows = [(c.name, "holds" if c.holds else "DOES NOT HOLD", f"{c.p:.2g}", c.words) for c in study.verdict.checks]
     text = "Probability: that a model which is right is so far off. All tests together reject such a model in 1 % of cases."
-    return Cells("Tests", ("test", "outcome", "probability", "found"), rows, text, right=frozenset({2}))
+    return Cells("Tests", ("test", "outcome", "probability", "largest deviation"), rows, text, right=frozenset({2}))
 
 
 def suspect_cells(study: Estimate) -> Cells:
