@@ -1,6 +1,6 @@
 """Speed of the ball bearing with two degrees of freedom: accuracy over cost, beside SciPy in the same run.
 
-Run with `pytest -n 0 -s tests/benchmarks`. 8 balls, 20 µm radial clearance, 3000 rpm: contacts open and close all the time.
+Run with `pytest -n 0 tests/benchmarks --write-page`. 8 balls, 20 µm radial clearance, 3000 rpm: contacts open and close all the time.
 SciPy gets a right-hand side that Numba has compiled, the same operations as the component's kernel, with the constants
 compiled in; what is compared is the whole loop.
 """
@@ -80,10 +80,10 @@ def scipy_motion(rates, method, rtol):
     found = solve_ivp(rates, (0.0, END), start, method, t_eval=grid, rtol=rtol, atol=atol)
     seconds = (time.perf_counter() - before) / END
     assert found.success
-    return found.y[:2], seconds, found.nfev / END
+    return found.y[:2], seconds
 
 
-def test_accuracy_costs_less_than_with_scipy():
+def test_accuracy_costs_less_than_with_scipy(told):
     """At an error of 1e-3 at most 0.03 s per simulated second, and at least ten times faster than SciPy's best method."""
     exact, _ = motion(2e-7)
     rates = right_hand_side()
@@ -91,30 +91,34 @@ def test_accuracy_costs_less_than_with_scipy():
     def error(found):
         return float(np.abs(found - exact).max() / np.abs(exact[0]).max())
 
-    print(f"\n  {'method':12s} {'step or rtol':>12s} {'error':>9s} {'s per simulated s':>18s} {'calls per s':>12s}")
     own, theirs = [], []
     for substep in (2e-4, 1e-4, 1e-3 / 15, 5e-5, 2.5e-5, 1e-5):
         found, seconds = best(lambda h=substep: motion(h))
         own.append((error(found), seconds))
-        print(f"  {'component':12s} {substep:12.1e} {own[-1][0]:9.1e} {seconds:18.4f} {4.0 / substep:12.0f}")
     for method in ("RK45", "DOP853", "LSODA", "Radau", "BDF"):
         for rtol in (1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
-            found, seconds, calls = scipy_motion(rates, method, rtol)
+            found, seconds = scipy_motion(rates, method, rtol)
             if method in ("RK45", "DOP853", "LSODA"):
                 seconds = min(seconds, *(scipy_motion(rates, method, rtol)[1] for _ in range(2)))
             theirs.append((error(found), seconds, method))
-            print(f"  {method:12s} {rtol:12.0e} {theirs[-1][0]:9.1e} {seconds:18.4f} {calls:12.0f}")
+    for wanted in (1e-2, WANTED, 1e-5):
+        fastest = min(seconds for e, seconds in own if e <= wanted)
+        rival, method = min((seconds, name) for e, seconds, name in theirs if e <= wanted)
+        told(
+            "ball bearing",
+            f"{wanted:g}",
+            cosimo_ms=1e3 * fastest,
+            SciPy_ms=1e3 * rival,
+            best_method=method,
+            ratio=rival / fastest,
+        )
     fastest = min(seconds for e, seconds in own if e <= WANTED)
-    rival, method = min((seconds, name) for e, seconds, name in theirs if e <= WANTED)
-    print(
-        f"  at an error of {WANTED:g}: component {fastest:.4f} s per simulated second, {method} {rival:.3f} s: "
-        f"{rival / fastest:.0f} times as long"
-    )
+    rival = min(seconds for e, seconds, _ in theirs if e <= WANTED)
     assert fastest <= 0.03
     assert rival >= 10.0 * fastest
 
 
-def test_price_of_an_effect():
+def test_price_of_an_effect(told):
     """What is off costs nothing; what each effect adds to the bare bearing, printed."""
 
     def cost(effects, parameters):
@@ -129,9 +133,8 @@ def test_price_of_an_effect():
 
         return best(once)[1]
 
-    print()
     bare = cost((), {})
-    print(f"  one evaluation, no effect: {1e9 * bare:.0f} ns")
+    told("effects", "ball bearing without effects", ns_an_evaluation=1e9 * bare)
     assert bare < 1e-6
     for effect in BallBearing.effects:
-        print(f"  {effect:20s} {1e9 * (cost((effect,), {}) - bare):+6.0f} ns")
+        told("effects", f"`{effect}` more", ns_an_evaluation=1e9 * (cost((effect,), {}) - bare))

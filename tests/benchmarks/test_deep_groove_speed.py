@@ -1,6 +1,6 @@
 """Speed of the deep groove bearing: one evaluation inside compiled code and from Python, and a static equilibrium.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 tests/benchmarks --write-page`. Nothing here is a statement about another machine.
 """
 
 import time
@@ -56,23 +56,19 @@ def shortest(call, runs=7):
     return min(times)
 
 
-def test_evaluation_takes_under_three_microseconds():
+def test_evaluation_takes_under_three_microseconds(told):
     n, measured = 20000, {}
-    print()
     for label, (effects, parameters) in SETTINGS.items():
         bearing = turning(effects, parameters)
         many(1, *bearing.arguments)
         measured[label] = 1e6 * shortest(lambda b=bearing: many(n, *b.arguments)) / n
         bearing.step(0.0, 1e-6)
         python = 1e6 * shortest(lambda b=bearing: [b.step(0.0, 1e-7) for _ in range(1000)]) / 1000
-        print(
-            f"  {label:36s} {measured[label]:6.2f} us compiled {python:6.1f} us a step from Python, "
-            f"{bearing['loaded_balls']:.0f} balls loaded"
-        )
+        told("deep groove bearing", label, µs_compiled=measured[label], µs_a_step_from_Python=python)
     assert measured["film, eight waves in each race"] < 3.0
 
 
-def test_equilibrium_takes_under_five_milliseconds():
+def test_equilibrium_takes_under_five_milliseconds(told):
     """All five loads, with clearance, one ball, axial at contact angle 0, and a small load, which comes down from a large one."""
     geometry = BallGeometry(9, 0.0111, 0.0535)
     K = geometry.stiffness(effective_modulus(2.06e11, 0.3, 2.06e11, 0.3))
@@ -82,12 +78,12 @@ def test_equilibrium_takes_under_five_milliseconds():
         "axial, contact angle 0": [0, 0, 1000.0, 0, 0],
         "1 mN": [1e-3, 2e-3, 1e-3, 0, 0],
     }
-    print()
     for clearance in (0.0, 20e-6, -5e-6):
         contacts = ball_contacts(geometry, K, clearance)
         for label, forces in loads.items():
             load = np.array(forces, dtype=float)
             static_loads(contacts, load)
             seconds = shortest(lambda c=contacts, f=load: [static_loads(c, f) for _ in range(20)]) / 20
-            print(f"  {label:24s} clearance {1e6 * clearance:4.0f} um: {1e3 * seconds:7.3f} ms")
+            if clearance > 0.0:
+                told("equilibrium", label, ms=1e3 * seconds)
             assert seconds < 5e-3

@@ -13,7 +13,7 @@ SPAN = 4e-3  # s of real time that a measured run takes
 
 
 @pytest.mark.parametrize("name", ["Pantograph", "BallBearing", "RovHull"])
-def test_effects_that_are_off_cost_nothing(name):
+def test_effects_that_are_off_cost_nothing(name, told):
     cls = component_class(name)
     pair = [cls(), never_written(cls)()]
     assert cls.effects
@@ -30,8 +30,5 @@ def test_effects_that_are_off_cost_nothing(name):
     times = [[seconds(component, length) for component in pair] for _ in range(REPEATS)]
     off, never = zip(*times, strict=True)
     ratio = min(off) / min(never)
-    print(
-        f"{name}: {pair[0].work['steps']} internal steps in {1e3 * min(off):.3f} ms; over never written: {ratio:.3f}, "
-        f"median of pairs {median(a / b for a, b in times):.3f}"
-    )
+    told("off", name, over_never_written=ratio, median_of_pairs=median(a / b for a, b in times))
     assert ratio <= MOST

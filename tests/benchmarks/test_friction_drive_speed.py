@@ -1,6 +1,7 @@
 """The friction drive at a macro step of 1 ms against real time: motors, wheels with sleeve, controller, in process and as FMUs.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Friction of shafts, contacts and seal is exact. Recording is every 10 ms and there is no
+Run with `pytest -n 0 tests/benchmarks --write-page`.
+Friction of shafts, contacts and seal is exact. Recording is every 10 ms and there is no
 energy account, as for a long run; the first, short runs compile.
 """
 
@@ -16,7 +17,7 @@ REPEATS = 3
 
 
 @pytest.mark.parametrize("options", [{"in_process": True}, {}], ids=["in process", "FMUs"])
-def test_the_drive_runs_ten_times_faster_than_real_time(options):
+def test_the_drive_runs_ten_times_faster_than_real_time(options, told):
     scene = load_scene("friction-drive-step").with_changes({"record.interval": 0.01, "master.bonds": (), "stop_time": END})
     run(scene.with_changes({"stop_time": 0.2}), **options)
     wall, used = [], []
@@ -26,6 +27,6 @@ def test_the_drive_runs_ten_times_faster_than_real_time(options):
         used.append(time.process_time() - begin)
         assert result.outcome == "done", result.message
         wall.append(result.info.timing.run)
-    print(f"\n{options or 'FMUs'}: {min(wall):.2f} s for {END:g} s, {END / min(wall):.0f} times real time; "
-          f"CPU time with the start {min(used):.2f} s")  # fmt: skip
+    told("systems", f"friction drive, 20 s, 1 ms, {'in process' if options else 'as FMUs'}",
+         s=min(used), **{"× real time": END / min(wall)})  # fmt: skip
     assert END / min(wall) >= LEAST

@@ -1,6 +1,7 @@
 """A call of a scene as a function beside its macro steps alone, which no observer sees.
 
-Run with `pytest -n 0 -s tests/benchmarks`. CPU time of one thread, the median of 15 ratios, each of a call and of the steps before it.
+Run with `pytest -n 0 tests/benchmarks --write-page`.
+CPU time of one thread, the median of 15 ratios, each of a call and of the steps before it.
 """
 
 from statistics import median
@@ -18,7 +19,7 @@ POINTS = [
 
 
 @pytest.mark.parametrize(("name", "parameter", "figure", "most"), POINTS)
-def test_a_call_costs_little_more_than_its_steps(name, parameter, figure, most):
+def test_a_call_costs_little_more_than_its_steps(name, parameter, figure, most, told):
     scene = load_scene(name)
     if name == "double-pendulum":
         scene = scene.with_changes({"stop_time": 60.0})
@@ -33,5 +34,5 @@ def test_a_call_costs_little_more_than_its_steps(name, parameter, figure, most):
             steps, began = thread_time() - began, thread_time()
             f(f.start)
             ratios.append((thread_time() - began) / steps)
-    print(f"{name}, {figure}: {median(ratios):.2f} times the steps")
+    told("functions", f"{name}, {figure}", over_its_steps=median(ratios))
     assert median(ratios) < most

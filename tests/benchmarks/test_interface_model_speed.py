@@ -1,6 +1,6 @@
 """Interface model against Gauss-Seidel on the railway pair: error and stepping time over the macro step.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 tests/benchmarks --write-page`. Nothing here is a statement about another machine.
 """
 
 import numpy as np
@@ -51,28 +51,26 @@ def error(history, reference):
     return float(np.sqrt(np.mean((history - reference) ** 2)) / reference.std())
 
 
-def test_error_over_the_macro_step():
+def test_error_over_the_macro_step(told):
     """On one mesh: against the converged history, and against the same sampled as coarsely, which is the coupling alone."""
     converged = run(scene("en50318-2002", FINE, {"master.extrapolation": 2}), in_process=True)
-    whole, found = filtered(converged), {}
-    print("\n  history error / of the coupling alone, %")
+    found = {}
     for label, (name, changes) in SCHEMES.items():
-        cells = []
+        cells = {}
         for step in (1e-3, 2e-3, 3e-3, 5e-3, 8e-3):
             history = filtered(run(scene(name, step, changes), in_process=True))
             found[label, step] = error(history, filtered(converged, round(step / FINE)))
-            cells.append(f"{1e3 * step:g} ms {100.0 * error(history, whole):5.2f} / {100.0 * found[label, step]:5.2f}")
-        print(f"    {label:30s} " + "   ".join(cells))
+            cells[f"{1e3 * step:g} ms"] = f"{100.0 * found[label, step]:.2f} %"
+        told("error of the coupling", label, **cells)
     assert found["interface model", 5e-3] < 0.5 * found["Gauss-Seidel, linear", 5e-3]
     assert found["interface model", 5e-3] < found["Gauss-Seidel, linear", 3e-3]
     assert found["interface model", 2e-3] < 0.5 * found["Gauss-Seidel, linear", 2e-3]
 
 
 @pytest.mark.parametrize("in_process", [True, False])
-def test_time_for_an_error(in_process):
+def test_time_for_an_error(in_process, told):
     """Stepping time where errors are alike. In process the units are so cheap that the master's micro steps cost as much."""
     converged = run(scene("en50318-2002", FINE, {"master.extrapolation": 2}), in_process=True)
-    print()
     seconds = {}
     for label, step in (
         ("Gauss-Seidel, linear", 2e-3),
@@ -85,8 +83,6 @@ def test_time_for_an_error(in_process):
         seconds[label, step] = best = min(r.info.timing.run for r in results)
         missed = 100.0 * error(filtered(results[0]), filtered(converged, round(step / FINE)))
         way, each = "in process" if in_process else "FMUs", 1e6 * best * step / s.stop_time
-        print(
-            f"    {label:22s} {1e3 * step:g} ms, {way}: {s.stop_time / best:5.0f} x real time, {each:5.1f} us a macro step, "
-            f"error {missed:.2f} %"
-        )
+        cells = {"× real time": s.stop_time / best, "µs a macro step": each, "error": f"{missed:.2f} %"}
+        told("interface model", f"{label}, {1e3 * step:g} ms, {way}", **cells)
     assert seconds["interface model", 5e-3] < 3.0 * seconds["Gauss-Seidel, linear", 5e-3]

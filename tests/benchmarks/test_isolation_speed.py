@@ -1,6 +1,6 @@
 """What a worker process costs in a step, and what two of them gain on two cores.
 
-Run with `pytest -n 0 -s tests/benchmarks` on a quiet machine.
+Run with `pytest -n 0 tests/benchmarks --write-page` on a quiet machine.
 """
 
 import os
@@ -59,16 +59,16 @@ def seconds(work: int, isolation: str, steps: int = STEPS) -> float:
     return min(r.info.timing.run for r in results)
 
 
-def test_a_step_in_a_worker_costs_less_than_two_hundred_microseconds():
+def test_a_step_in_a_worker_costs_less_than_two_hundred_microseconds(told):
     """Two messages through pipes and two changes of process; two cores with other work to do took 15 to 50 us a unit."""
     here, there = (seconds(0, way) / STEPS for way in ("none", "process"))
-    print(f"\na step of two trivial units: {1e6 * here:.1f} us in process, {1e6 * there:.1f} us in workers")
+    told("workers", "a step of two trivial units, µs", in_process=1e6 * here, in_workers=1e6 * there)
     assert there - here < 400e-6  # two units
 
 
 @pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="needs two cores")
-def test_two_units_that_compute_gain_from_two_cores():
+def test_two_units_that_compute_gain_from_two_cores(told):
     """About a millisecond in each step, of which the messages are a small part."""
     here, there = (seconds(20_000, way, 400) for way in ("none", "process"))
-    print(f"\ntwo units that compute: {here:.3f} s in one process, {there:.3f} s in workers, {here / there:.2f} times as fast")
+    told("workers", "400 steps of two units that compute for a millisecond, s", in_process=here, in_workers=there)
     assert here / there > 1.5

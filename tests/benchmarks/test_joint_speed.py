@@ -61,7 +61,7 @@ def angles(component):
     ("double pendulum", chain_component, double_pendulum, (1.2, 0.7, 0.0, 0.0)),
     ("gimbal", gimbal_component, gimbal, (0.0, 0.9, 12.0, 0.0)),
 ])  # fmt: skip
-def test_ten_times_faster_at_equal_error(name, make, equations, start):
+def test_ten_times_faster_at_equal_error(name, make, equations, start, told):
     """Each side with the loosest of its settings that reaches the error: substeps in fifths, tolerances in thirds of a decade."""
 
     def solved(tolerance):
@@ -74,8 +74,5 @@ def test_ten_times_faster_at_equal_error(name, make, equations, start):
     theirs = min(solved(tolerance)[1] for _ in range(REPEATS))
     substep = next(s for s in 5e-2 * 0.8 ** np.arange(20) if np.abs(angles(make(s))[0] - exact).max() < ERROR)
     ours = angles(make(substep))[1]
-    print(
-        f"  {name}, {END:g} s at {ERROR:g} rad: {1e3 * ours:.2f} ms with a substep of {1e6 * substep:.0f} us, "
-        f"DOP853 {1e3 * theirs:.1f} ms with a tolerance of {tolerance:.1g}: {theirs / ours:.0f} times faster"
-    )
+    told("links", f"{name}, {END:g} s to {ERROR:g} rad", cosimo_ms=1e3 * ours, DOP853_ms=1e3 * theirs, ratio=theirs / ours)
     assert theirs / ours >= LEAST

@@ -29,10 +29,18 @@ PEERS = {
     "ecos": INTEROP,
     "libcosim": INTEROP,
 }
+NAMES = {
+    "cosimo": "cosimo",
+    "recording": "cosimo, every output of every step recorded",
+    "ctypes": "loop of ctypes calls in Python",
+    "fmpy": "methods of FMPy's FMU classes",
+    "ecos": "Ecos",
+    "libcosim": "libcosim",
+}
 
 
 @pytest.fixture(scope="module")
-def rates(tmp_path_factory):
+def rates(tmp_path_factory, told):
     """Macro steps per second by master; None for one that cannot run here."""
     from pythonfmu.builder import FmuBuilder
 
@@ -48,8 +56,7 @@ def rates(tmp_path_factory):
                 rate, place = done.stdout.split()[-2:]
                 found[who], reached[who] = max(found.get(who, 0.0), float(rate)), float(place)
     for who in PEERS:
-        told = f"{found[who]:10.0f} macro steps/s, x = {reached[who]!r}" if who in found else "not here"
-        print(f"\n{who:10s} {told}", end="")
+        told("small pair", NAMES[who], macro_steps_a_second=found.get(who, "not here"))
     assert all(abs(place - reached["ctypes"]) < 1e-12 for place in reached.values())
     return found
 
@@ -116,7 +123,7 @@ class Gain(Component):
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 @pytest.mark.parametrize(("name", "steps", "least"), [("Gain", 20_000, 500_000), ("KernelGain", 200_000, 5_000_000)])
-def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, record):
+def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, record, told):
     """Two of them, by CPU time of stepping; the longer run is that in which what happens once a run does not count."""
     gain = {"component": f"cosimo.tests.benchmarks.test_master_speed:{name}"}
     scene = read_scene(
@@ -129,5 +136,9 @@ def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, 
         }
     )
     rate = 2 * steps / min(run(scene, in_process=True).info.timing.cpu for _ in range(TURNS))
-    print(f"\n{name}, {algorithm}, degree {degree}: {rate:.3g} unit steps/s")
+    told(
+        "trivial units",
+        f"`{name}`, {algorithm}, {'all rows' if not record else 'one row'}",
+        **{f"degree {degree}": f"{rate:.3g}"},
+    )
     assert rate > least

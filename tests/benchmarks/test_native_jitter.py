@@ -11,10 +11,8 @@ pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="the host is a
 STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
 
 
-def test_longest_step_of_a_minute(tmp_path):
+def test_longest_step_of_a_minute(tmp_path, told):
     _, durations = run_host(tmp_path, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
-    print("\nnative railway pair, macro step of 1 ms, a minute: duration of a step in us")
-    print(f"{'':12}{'mean':>10}{'99.99 %':>10}{'longest':>10}")
-    for name, values in zip(("clock", "processor"), durations, strict=True):
-        print(f"{name:12}" + "".join(f"{value:10.2f}" for value in values))
+    for name, values in zip(("by the clock", "of the processor"), durations, strict=True):
+        told("jitter", name, **dict(zip(("mean, µs", "99.99 %, µs", "longest, µs"), values, strict=True)))
     assert durations[1][0] < 100.0  # a tenth of the macro step

@@ -1,6 +1,6 @@
 """Speed of a minute of a pipe robot with exact friction, and of the cheaper laws beside it.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 tests/benchmarks --write-page`. Nothing here is a statement about another machine.
 """
 
 import time
@@ -28,29 +28,31 @@ def best(effects, steps, runs=3):
     return min(seconds[1:]), robot
 
 
-def test_a_minute_with_exact_friction():
+def test_a_minute_with_exact_friction(told):
     """About 19 changes of mode a second, each found to rounding: under half a second in one process, in steps of 10 ms."""
     whole, robot = best((), 1)
     steps, robot_of_steps = best((), 6000)
     switches = robot.work["events"] / MINUTE
-    print(f"\n  a minute with {switches:.1f} switches a second: {1e3 * whole:.0f} ms, in steps of 10 ms {1e3 * steps:.0f} ms")
+    told("systems", f"pipe robot, a minute, {switches:.0f} switches of friction a second, one step", s=whole)
+    told("systems", "the same in steps of 10 ms", s=steps)
     assert 18.0 < switches < 21.0
     assert np.isclose(robot["position"], robot_of_steps["position"], rtol=1e-4)
     assert steps < 0.5
 
 
-def test_price_of_the_laws_of_friction():
+def test_price_of_the_laws_of_friction(told):
     """What exact friction costs beside laws that creep."""
     seconds = {name: best(effects, 1)[0] for name, effects in LAWS.items()}
-    print("\n  a minute: " + ", ".join(f"{n} {1e3 * s:.0f} ms" for n, s in seconds.items()))
+    for law in ("smoothed", "lugre"):
+        told("systems", f"the same minute, {law} friction", s=seconds[law])
     assert seconds["exact"] < 3.0 * seconds["smoothed"]
 
 
-def test_the_scenes_take_less_than_ten_seconds():
+def test_the_scenes_take_less_than_ten_seconds(told):
     for name in ("pipe-robot-level", "pipe-robot-climb", "pipe-robot-resonance", "pipe-robot-motor-start", "pipe-robots-in-tow"):
         scene = load_scene(name)
         run(scene.with_changes({"stop_time": 20.0 * scene.master.step}))
         result = run(scene)
         assert result.outcome == "done", result.message
-        print(f"\n  {name}: {result.info.timing.run:.1f} s as FMUs")
+        told("systems", f"`{name}` as FMUs", s=result.info.timing.run)
         assert result.info.timing.run < 10.0

@@ -1,6 +1,6 @@
 """Speed of the railway pair: whole runs, ratios within one process, errors against an independent solution.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 tests/benchmarks --write-page`. Nothing here is a statement about another machine.
 """
 
 import subprocess
@@ -56,47 +56,50 @@ def error(result, reference):
     return float(np.sqrt(np.mean((filtered(result) - reference) ** 2)) / reference.std())
 
 
-def report(label, result, seconds, reference):
-    factor, e = result.scene.stop_time / seconds, error(result, reference)
-    print(f"  {label:58s} {factor:7.0f} x real time   history error {100.0 * e:5.2f} %")
-    return factor, e
+QUADRATIC = {"master.extrapolation": 2}
+SETTINGS = {  # the scene without pictures, of its ten spans, 5 s: elements of 0.4 m, substep 1 ms, linear extrapolation, unless told
+    "as shipped": scene(),
+    "macro step 2 ms": scene(2e-3),
+    "macro step 2 ms, quadratic extrapolation": scene(2e-3).with_changes(QUADRATIC),
+    "180 m behind": scene(1e-3, ["moving_window"]),
+    "180 m behind, 2 ms, quadratic extrapolation": scene(2e-3, ["moving_window"]).with_changes(QUADRATIC),
+    "elements of 0.25 m, substep 0.5 ms": scene(element=0.25, substep=5e-4),
+    "sixty spans": scene(spans=60),
+    "implicit": scene(method="implicit"),
+    "implicit, elements of 1 m": scene(method="implicit", element=1.0),
+}
+THROUGH_FMUS = ("as shipped", "macro step 2 ms, quadratic extrapolation")
 
 
-def test_accuracy_costs(reference):
+def test_accuracy_costs(reference, told):
     """At 1 % at least 60 times faster than real time in process and 20 times through FMUs."""
-    print()
-    settings = {
-        "explicit 0.25 m, 0.5 ms, macro step 1 ms": scene(1e-3, element=0.25, substep=5e-4),
-        "explicit 0.4 m, 1 ms, macro step 1 ms": scene(),
-        "explicit 0.4 m, 1 ms, macro step 2 ms": scene(2e-3),
-        "explicit 0.4 m, 1 ms, window, macro step 1 ms": scene(1e-3, ["moving_window"]),
-        "explicit 0.4 m, 1 ms, window, quadratic, macro step 2 ms": scene(2e-3, ["moving_window"]).with_changes(
-            {"master.extrapolation": 2}
-        ),
-        "implicit 0.4 m, 1 ms, macro step 1 ms": scene(method="implicit"),
-        "implicit 1 m, 1 ms, macro step 1 ms": scene(method="implicit", element=1.0),
-    }
-    measured = {label: report(label, *best(s), reference) for label, s in settings.items()}
-    measured |= {
-        f"FMUs, {label}": report(f"FMUs, {label}", *best(settings[label], in_process=False), reference)
-        for label in list(settings)[:3]
-    }
-    assert any(e <= 0.01 and factor >= 20.0 for label, (factor, e) in measured.items() if label.startswith("FMUs"))
-    assert any(e <= 0.01 and factor >= 60.0 for label, (factor, e) in measured.items() if label.startswith("explicit"))
+    measured = {}
+    for in_process, labels in ((True, SETTINGS), (False, THROUGH_FMUS)):
+        for label in labels:
+            result, seconds = best(SETTINGS[label], in_process)
+            factor, e = measured[label, in_process] = result.scene.stop_time / seconds, error(result, reference)
+            name = label if in_process else f"FMUs of pythonfmu, {label}"
+            told("railway", name, **{"× real time": factor, "error of the force's history": f"{100.0 * e:.2f} %"})
+    told.target("EN 50318:2002 in process", measured["as shipped", True][0], 330.0, "× real time", least=True)
+    told.target("the same, 180 m behind", measured["180 m behind", True][0], 380.0, "× real time", least=True)
+    told.target("sixty spans of it", measured["sixty spans", True][0], 320.0, "× real time", least=True)
+    told.target("EN 50318:2002 as FMUs of pythonfmu", measured["as shipped", False][0], 80.0, "× real time", least=True)
+    assert any(e <= 0.01 and factor >= (60.0 if inside else 20.0) for (_, inside), (factor, e) in measured.items() if inside)
+    assert any(e <= 0.01 and factor >= 20.0 for (_, inside), (factor, e) in measured.items() if not inside)
 
 
-def test_cost_over_the_number_of_spans():
+def test_cost_over_the_number_of_spans(told):
     """Linear where the whole line moves, flat behind the front; stepping time of equal runs near the start of longer and longer lines.
 
     A fine mesh makes the wires the whole cost, so that nothing fixed blurs the ratios.
     """
-    print()
     seconds = {}
     for threshold in (0.0, 1e-4):
         for spans in (10, 20, 60):
             fine = scene(1e-3, (), spans, element=0.125, substep=1e-4, front_threshold=threshold).with_changes({"stop_time": 2.0})
             _, seconds[spans, threshold > 0.0] = best(fine, runs=3)
-            print(f"  {spans} spans, {'front' if threshold else 'whole line'}: {seconds[spans, threshold > 0.0]:.3f} s")
+    for front, label in ((False, "the whole line moves"), (True, "behind the front")):
+        told("spans", label, **{f"{n} spans, s": seconds[n, front] for n in (10, 20, 60)})
     assert 1.6 < seconds[20, False] / seconds[10, False] < 2.6
     assert 4.5 < seconds[60, False] / seconds[10, False] < 9.0  # 6 if linear; long lines leave the processor's nearest cache
     assert seconds[60, True] < 1.25 * seconds[10, True]
@@ -124,9 +127,8 @@ def on_line(name, effects, **parameters):
     )
 
 
-def test_price_of_a_second_wire_and_of_stagger():
+def test_price_of_a_second_wire_and_of_stagger(told):
     """Two contact wires, an overlap and lateral geometry against one straight contact wire on the same line: at most twice."""
-    print()
     first, twin = (
         "\n".join(
             line
@@ -147,11 +149,11 @@ def test_price_of_a_second_wire_and_of_stagger():
     for name, (dear, text) in pairs.items():
         plain = on_line("en50318-2002", ["line_table"], **{"line_table.table": text})
         seconds = [best(which)[1] for which in (plain, dear)]
-        print(f"  {name:18s} {seconds[1] / seconds[0]:.2f} times one wire ({seconds[0]:.3f} s)")
+        told("lines", name, **{"× one straight wire": seconds[1] / seconds[0]})
         assert seconds[1] <= 2.0 * seconds[0]
 
 
-def test_memory_of_sixty_spans():
+def test_memory_of_sixty_spans(told):
     # ru_maxrss would not do: a process inherits it from the one that started it
     program = (
         "from cosimo.orchestrator.run.run import run; from cosimo.orchestrator.systems import load_scene\n"
@@ -162,30 +164,11 @@ def test_memory_of_sixty_spans():
     for _ in range(2):  # the first one may have to compile
         out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     megabytes = int(out.split()[-1]) / 1024.0
-    print(f"\n  60 spans through FMUs: {megabytes:.0f} MB")
+    told("lines", "memory of a process with sixty spans as FMUs", MB=megabytes)
     assert megabytes < 400.0
 
 
-def test_second_process_start_compiles_nothing():
-    program = """
-import time
-start = time.perf_counter()
-from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene
-run(load_scene("en50318-2002").with_changes({"stop_time": 0.05}), in_process=True)
-ready = time.perf_counter() - start
-from cosimo.components.core.kernels import compiled_from_cache
-from cosimo.components.railway import catenary, pantograph
-print(*compiled_from_cache(*catenary.Catenary.kernels[:3], pantograph.Pantograph.kernels.step), ready)
-"""
-    subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
-    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
-    print(f"\n  second process: {out[0]} kernels from the cache, {out[1]} compiled, ready after {float(out[2]):.2f} s")
-    assert int(out[1]) == 0
-    assert int(out[0]) >= 3
-
-
-def test_price_of_the_packaging():
+def test_price_of_the_packaging(told):
     """Microseconds of a macro step, split by running the same scene at four depths."""
     s = scene()
     n = round(s.stop_time / s.master.step)
@@ -198,12 +181,16 @@ def test_price_of_the_packaging():
         unit.initialize(0.0)
         physics[name] = shortest_mean(unit.step)
         direct[name] = fmu_step(type(unit), unit.on)
-    print(f"\n  a macro step of two FMUs: {1e6 * fmu / n:.1f} us, of which")
-    print("    physics, called from Python: " + ", ".join(f"{name} {1e6 * s:.1f} us" for name, s in physics.items()))
     packaging = sum(direct.values()) - sum(physics.values())
-    print(f"    pythonfmu and ctypes around the two steps: {1e6 * packaging:.1f} us")
-    print(f"    reading and setting through FMI: {1e6 * (fmu - in_process) / n - 1e6 * packaging:.1f} us")
-    print(f"    master and recording: {1e6 * (in_process / n - sum(physics.values())):.1f} us")
+    parts = {
+        "whole": fmu / n,
+        **{f"physics of the {name}, called from Python": seconds for name, seconds in physics.items()},
+        "pythonfmu and ctypes around the two steps": packaging,
+        "reading and setting through FMI": (fmu - in_process) / n - packaging,
+        "master and recording": in_process / n - sum(physics.values()),
+    }
+    for part, seconds in parts.items():
+        told("packaging", part, µs=1e6 * seconds)
     assert fmu > in_process > n * sum(physics.values()) * 0.5
 
 

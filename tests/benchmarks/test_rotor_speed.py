@@ -1,6 +1,6 @@
 """Speed of a beam rotor of 20 elements with two nonlinear bearings, against ROSS's Newmark response with linear ones.
 
-Run with `pytest -n 0 -s tests/benchmarks`; COSIMO_ROSS_PYTHON names the interpreter of an environment with ross-rotordynamics and
+Run with `pytest -n 0 tests/benchmarks --write-page`; COSIMO_ROSS_PYTHON names the interpreter of an environment with ross-rotordynamics and
 plotly<6. Everything runs on one core at equal steps. ROSS compiles its Newmark loop at every start: both the first response
 of a process, which is what a user waits for, and the next ones are printed.
 """
@@ -46,7 +46,7 @@ print(json.dumps([seconds[0], min(seconds[1:]), response.yout[-1, j], response.y
 
 
 @pytest.fixture(scope="module")
-def ross():
+def ross(told):
     """Seconds of the first and of a later response, and the disk's last position, m."""
     python = os.environ.get("COSIMO_ROSS_PYTHON")
     if not python:
@@ -56,10 +56,7 @@ def ross():
         [python, "-W", "ignore", "-c", ROSS], capture_output=True, text=True, check=True, env={**os.environ, **threads}
     )
     first, later, x, y = json.loads(done.stdout.splitlines()[-1])
-    print(
-        f"\n  ROSS, Newmark, linear bearings: first response {first:.2f} s, later {later:.3f} s, "
-        f"{1e6 * later / STEPS:.0f} us a step"
-    )
+    told("rotor", "ROSS, Newmark, linear bearings", µs_a_step=1e6 * later / STEPS, first_response_of_a_process_s=first)
     return first, later, x, y
 
 
@@ -118,7 +115,7 @@ def best(scene, in_process):
     return min(r.info.timing.run for r in results[1:])
 
 
-def test_linear_bearings_at_equal_steps(ross):
+def test_linear_bearings_at_equal_steps(ross, told):
     """The same model with the same method: equal results, at least 20 times faster."""
     _, later, x, y = ross
     seconds = []
@@ -130,14 +127,14 @@ def test_linear_bearings_at_equal_steps(ross):
             rotor.step(k * H, H)
         seconds.append(time.perf_counter() - start)
     mine = min(seconds[1:])
-    print(f"  linear bearings in the rotor: {1e6 * mine / STEPS:.1f} us a step, {later / mine:.0f} times faster")
+    told("rotor", "cosimo, linear bearings in the rotor", µs_a_step=1e6 * mine / STEPS, ratio=later / mine)
     assert rotor.nodes.size == 21
     # both are of second order; after 100 rad of unbalance they differ by the shift in phase, 100 (w h)²/12 = 2 %, or less
     assert abs(complex(rotor["displacement_x"], rotor["displacement_y"]) - complex(x, y)) < 0.05 * abs(complex(x, y))
     assert later / mine >= 20.0
 
 
-def test_nonlinear_bearings_in_process_and_as_fmus(ross):
+def test_nonlinear_bearings_in_process_and_as_fmus(ross, told):
     """Three units with contact, clearance and passing balls against a linear system in one compiled loop.
 
     Some 13 us of a step are kernels, the rest is the handling of 130 signals: twenty times ROSS's first response,
@@ -147,14 +144,11 @@ def test_nonlinear_bearings_in_process_and_as_fmus(ross):
     scene = nonlinear_scene()
     for label, in_process, least in (("one process", True, 20.0), ("three FMUs", False, 10.0)):
         mine = best(scene, in_process)
-        print(
-            f"  nonlinear bearings, {label}: {1e6 * mine / STEPS:.0f} us a step, {later / mine:.1f} times faster, "
-            f"{first / mine:.0f} times faster than the first response of a process"
-        )
+        told("rotor", f"cosimo, two deep groove bearings, {label}", µs_a_step=1e6 * mine / STEPS, ratio=later / mine)
         assert first / mine >= least
 
 
-def test_a_whole_job_in_a_fresh_process(ross):
+def test_a_whole_job_in_a_fresh_process(ross, told):
     """Import, start and 0.2 simulated seconds: kernels come from the disk cache."""
     first = ross[0]
     program = f"""
@@ -169,5 +163,5 @@ print(time.perf_counter() - start)
     for _ in range(2):  # the first one may have to compile
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     mine = float(done.stdout.split()[-1])
-    print(f"  import, start and run in a fresh process: {mine:.2f} s; ROSS's first response without its import: {first:.2f} s")
+    told("rotor", "the same, one process", first_response_of_a_process_s=mine)
     assert mine < first

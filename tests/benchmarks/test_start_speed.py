@@ -1,5 +1,7 @@
-"""How long a user waits before anything happens: `import cosimo` and `cosimo --help`, beside a bare interpreter; and what a
-process takes for a very short run of a scene whose kernels are compiled already."""
+"""How long a user waits before anything happens: the first command, with nothing compiled, and those after it.
+
+CPU times of whole processes with their children. Measure where the package has byte code: without it, each start compiles sources.
+"""
 
 import os
 import subprocess
@@ -8,51 +10,49 @@ from time import perf_counter
 
 import pytest
 
-
-def seconds(*arguments: str) -> float:
-    """The shortest of ten runs of a new process, in s."""
-    times = []
-    for _ in range(10):
-        begin = perf_counter()
-        subprocess.run([sys.executable, *arguments], capture_output=True, check=True)
-        times.append(perf_counter() - begin)
-    return min(times)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "limit"), [(("-c", "import cosimo"), 0.1), (("-m", "cosimo.orchestrator.cli", "--help"), 0.3)]
-)
-def test_start(arguments, limit):
-    bare = seconds("-c", "pass")
-    whole = seconds(*arguments)
-    print(f"\n{' '.join(arguments)}: {whole:.3f} s, of which {bare:.3f} s are the interpreter")
-    assert whole - bare < limit
+pytestmark = pytest.mark.skipif(not hasattr(os, "wait4"), reason="the system does not tell what a process took")
+COMMANDS = {  # CPU time that is aimed at, s
+    "--help": 0.2,
+    "list": 0.2,
+    "show Pantograph": 0.5,
+    "run rov-station-keeping --in-process --no-verify --stop 0.1": 0.4,
+    "run gimbal-scan --in-process --no-verify --stop 0.1": 0.4,
+    "run en50318-2002 --in-process --no-verify --stop 0.1": 0.4,
+}
 
 
-SHORT_RUN = """
-from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene
-result = run(load_scene({scene!r}).with_changes({{"stop_time": 0.05}}), in_process=True)
-assert result.outcome == "done"
-print(result.info.timing.compile)
-"""
+def spent(*arguments, folder, **surroundings):
+    """CPU time and time by the clock of a new process of Python, with its children, s."""
+    begin = perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.DEVNULL, cwd=folder, env={**os.environ, **surroundings}
+    )
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, arguments
+    return used.ru_utime + used.ru_stime, perf_counter() - begin
 
 
-@pytest.mark.skipif(not hasattr(os, "wait4"), reason="the system does not tell what a process took")
-@pytest.mark.parametrize(("scene", "limit"), [("rov-station-keeping", 2.6), ("gimbal-scan", 2.6), ("en50318-2002", 3.0)])
-def test_second_start_of_a_scene(scene, limit):
-    """CPU time of whole processes that compile nothing, the least of six; the aim of 0.5 s is missed while Numba is loaded."""
-    times, importing = [], []
-    for k in range(8):
-        for program, found in ((SHORT_RUN.format(scene=scene), times), ("import numba", importing)):
-            process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
-            printed = process.stdout.read()
-            process.stdout.close()
-            _, status, used = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            assert process.returncode == 0
-            if k >= 2:  # the first one may have to compile, the second one finds what that has written
-                assert found is importing or float(printed) == 0.0
-                found.append(used.ru_utime + used.ru_stime)
-    print(f"\n{scene}: {min(times):.2f} s, of which {min(importing):.2f} s are an interpreter that imports Numba")
-    assert min(times) < limit * min(importing)  # however busy the machine is now
+def command(text, folder, **surroundings):
+    return spent("-m", "cosimo.orchestrator.cli", *text.split(), folder=folder, **surroundings)
+
+
+@pytest.mark.parametrize(("text", "aim"), COMMANDS.items(), ids=COMMANDS)
+def test_a_warm_start(text, aim, tmp_path, told):
+    """The least of six, behind two that compile and write: at most twelve bare starts with NumPy, however busy the machine is."""
+    times, bare = [], []
+    for _ in range(8):
+        bare.append(spent("-c", "import numpy", folder=tmp_path)[0])
+        times.append(command(text, tmp_path)[0])
+    seconds = min(times[2:])
+    told.target(f"`cosimo {text}`", seconds, aim, "s of CPU")
+    assert seconds < 12.0 * min(bare)
+
+
+def test_the_first_command(tmp_path, told):
+    """`cosimo validate en50318-2002` with empty caches, once."""
+    used, clock = command("validate en50318-2002", tmp_path, COSIMO_CACHE=str(tmp_path / "cache"))
+    told.target("`cosimo validate en50318-2002`, empty caches", clock, 16.0, "s by the clock")
+    told.target("the same", used, 24.0, "s of CPU")
+    again, _ = command("validate en50318-2002", tmp_path, COSIMO_CACHE=str(tmp_path / "cache"))
+    assert again < 0.5 * used

@@ -1,6 +1,6 @@
 """Speed of a day of wind on the averaged wind pump, and what the full converter costs beside it.
 
-Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 tests/benchmarks --write-page`. Nothing here is a statement about another machine.
 """
 
 from cosimo.orchestrator.run.run import run
@@ -17,20 +17,18 @@ def best(scene, in_process, runs=3):
     return min(r.info.timing.run for r in results)
 
 
-def test_a_day_of_wind():
+def test_a_day_of_wind(told):
     """Five units, 108 000 macro steps: under 10 s in one process."""
     scene = load_scene("wind-pump-day")
     assert scene.stop_time == 86400.0
-    steps = scene.stop_time / scene.master.step
     seconds = best(scene, True)
     fmus = best(scene, False, 1)
-    print(
-        f"\n  a day in one process: {seconds:.1f} s, {1e6 * seconds / steps:.0f} us a step of five units; as FMUs: {fmus:.1f} s"
-    )
+    for label, spent in (("in process", seconds), ("as FMUs", fmus)):
+        told("systems", f"wind pump, a day, averaged converter, {label}", s=spent, **{"× real time": scene.stop_time / spent})
     assert seconds < 10.0
 
 
-def test_price_of_the_clutches():
+def test_price_of_the_clutches(told):
     """The full converter against its mean, both coupled to turbine, pump and pipe, per simulated second."""
     full = load_scene("wind-pump-gusts").with_changes({"master.bonds": []})
     mean = full.with_changes(
@@ -44,5 +42,6 @@ def test_price_of_the_clutches():
         }
     )
     seconds = {name: best(scene, True) / scene.stop_time for name, scene in (("full", full), ("in the mean", mean))}
-    print("\n  a simulated second with the converter " + ", ".join(f"{n}: {1e3 * s:.2f} ms" for n, s in seconds.items()))
+    for name, spent in seconds.items():
+        told("systems", f"wind pump, a second of gusts, converter {name}", s=spent)
     assert seconds["full"] > 5.0 * seconds["in the mean"]  # 20 times the macro steps, and clutches in each

@@ -26,7 +26,7 @@ def test_other_masters_get_the_bits_of_the_run_in_process(master, name, tmp_path
     reference = run(scene.with_changes({"stop_time": LOOKS * EVERY * step, "record.interval": None}), in_process=True)
     (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
     whole = read_scene({"stop_time": LOOKS * EVERY * step, "units": {"whole": {"fmu": str(path)}}, "master": {"step": step}})
-    theirs = run_in(
+    theirs, _ = run_in(
         master, write(whole, tmp_path / "whole.ssp", {}), step, LOOKS, EVERY, [("whole", n, "real") for n in reference.columns]
     )
     ours = np.column_stack([np.asarray(reference[n])[EVERY::EVERY] for n in reference.columns])

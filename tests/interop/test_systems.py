@@ -63,7 +63,7 @@ def test_other_masters_get_what_is_announced(master, packed):
         driven = {link.target for link in scene.coupling.links}
         signals = [(u, n, kind) for u, n, kind in signals if not any((u, i) in driven for i in outputs[u, n].feedthrough or ())]
     assert len(signals) >= 4
-    theirs = run_in(master, package, scene.master.step, LOOKS, every, signals)
+    theirs, _ = run_in(master, package, scene.master.step, LOOKS, every, signals)
     rows = np.searchsorted(announced.time, np.arange(1, LOOKS + 1) * every * scene.master.step - 1e-9)
     for k, signal in enumerate(signals):
         ours = announced[".".join(signal[:2])]

@@ -26,7 +26,7 @@ def test_libcosim_comes_to_the_same_numbers(folder):
     )
     ours = {name: column[-1] for name, column in run(scene).columns.items()}
     signals = [(*name.split("."), "real") for name in ours]
-    last = run_in("libcosim", write(scene, folder / "there.ssp"), 0.01, 1, 100, signals)[0]
+    last = run_in("libcosim", write(scene, folder / "there.ssp"), 0.01, 1, 100, signals)[0][0]
     theirs = dict(zip(ours, last.tolist(), strict=True))
     assert theirs["b.x"] == pytest.approx(1000.0 * 30101.3, rel=1e-13)  # a.y, in mm, over one second
     moved = [n for n in ours if n != "c.y"]  # which follows c's input: libcosim shows it with that of the step before
