@@ -303,3 +303,31 @@ def test_modules_of_the_page_are_whole(small):
     text = small.read_text(encoding="utf-8")
     modules = re.findall(r'id="module\d+">([^<]+)<', text)
     assert [gzip.decompress(b64decode(module))[:4] for module in modules] == 2 * [b"\0asm"]  # of two algorithms
+
+
+DRAG = """async ([name, share]) => {
+    const results = document.getElementById("results");
+    const slider = document.getElementById(`p-${name}`).parentElement.querySelector("input[type=range]");
+    delete results.dataset.answered;
+    slider.value = Number(slider.min) + share * (Number(slider.max) - Number(slider.min));
+    slider.dispatchEvent(new Event("input"));
+    while (!results.dataset.answered) await new Promise(requestAnimationFrame);
+}"""
+SEEN = """() => {  // largest value of the curve as it is drawn, and as it was computed
+    const box = document.getElementById("curve1"), { yaxis } = box._fullLayout;
+    const drawn = box.querySelector(".scatterlayer path.js-line").getAttribute("d").match(/[-0-9.]+,[-0-9.]+/g).map((p) => Number(p.split(",")[1]));
+    return [yaxis.p2c(Math.min(...drawn)), Math.max(...shown.columns[document.getElementById("signal1").value])];
+}"""
+
+
+@pytest.mark.full
+def test_a_curve_follows_a_slider_in_its_axes_or_in_wider_ones(small, opened):
+    page = opened(small)
+    page.locator("#curve1 .main-svg").first.wait_for()
+    laid_out = "Plotly.react = ((react) => (...given) => { laidOut += 1; return react(...given); })(Plotly.react); null"
+    page.evaluate(f"globalThis.laidOut = 0; {laid_out}")
+    for share in (0.3, 0.31, 0.32, 0.9, 0.05, 0.06):
+        page.evaluate(DRAG, ["spring.stiffness", share])
+        drawn, computed = page.evaluate(SEEN)
+        assert drawn == pytest.approx(computed, rel=0.01)
+    assert 1 <= page.evaluate("laidOut") < 12  # of twelve curves
