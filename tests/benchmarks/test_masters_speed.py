@@ -1,9 +1,9 @@
-"""Four scenes under this master and under those of others: speed, error and the largest step that holds, from one package each.
+"""Scenes under this master and under those of others: speed, error and the largest step that holds, from one package each.
 
-Native FMUs, wired again as an SSP package, which others step by Jacobi's scheme with held inputs. Here the scene has its own scheme as
-well. Each run of another's is a process of its own. What is not installed has no row; `COSIMO_INTEROP_PYTHON` as in tests/interop.
-The error is that of all signals at ten instants, over their ranges, from this master's run with an eighth of the macro step; a step
-holds where this error is below a half.
+FMUs wired again as an SSP package, native ones and a pair of pythonfmu, which others step by Jacobi's scheme with held inputs. Here the
+scene has its own scheme as well. Each run of another's is a process of its own. What is not installed has no row;
+`COSIMO_INTEROP_PYTHON` as in tests/interop. The error is that of all signals at ten instants, over their ranges, from this master's run
+with an eighth of the macro step; a step holds where this error is below a half.
 """
 
 from importlib.util import find_spec
@@ -24,7 +24,13 @@ pytestmark = [
 ]
 LOOKS, TURNS, LONGEST = 10, 3, 64  # times the scene's step
 HOLDS = 0.5  # error of a step that holds
-SCENES = {"en50318-2002": 2.0, "rov-station-keeping": 20.0, "rotor-run-up": 0.05, "wind-pump-start": 20.0}  # s
+SCENES = {  # s, native FMUs
+    "mass-on-spring": (20.0, False),
+    "en50318-2002": (2.0, True),
+    "rov-station-keeping": (20.0, True),
+    "rotor-run-up": (0.05, True),
+    "wind-pump-start": (20.0, True),
+}
 OURS = {"cosimo, held inputs": as_other_masters, "cosimo, as shipped": lambda scene: scene}
 
 
@@ -32,17 +38,20 @@ class Pair:
     """One scene cut short: its package, and its converged signals at ten instants."""
 
     def __init__(self, name, folder):
-        self.scene = load_scene(name).with_changes({"stop_time": SCENES[name], "record.interval": SCENES[name] / LOOKS})
+        stop, self.native = SCENES[name]
+        self.scene = load_scene(name).with_changes({"stop_time": stop, "record.interval": stop / LOOKS})
         self.step = self.scene.master.step
-        self.package = write(with_native_fmus(self.scene), folder / f"{name}.ssp", initial_inputs(self.scene))
+        self.package = write(
+            with_native_fmus(self.scene) if self.native else self.scene, folder / f"{name}.ssp", initial_inputs(self.scene)
+        )
         outputs = {f"{unit}.{name}" for unit, interface in self.scene.coupling.interfaces.items() for name in interface.outputs}
-        self.signals = [name for name in run(self.scene, native=True).columns if name in outputs]
+        self.signals = [name for name in run(self.scene, native=self.native).columns if name in outputs]
         self.converged, _ = self.here(self.scene.with_changes({"master.step": self.step / 8.0}))
         self.range = np.maximum(np.ptp(self.converged, axis=0), 1e-12 * np.abs(self.converged).max(axis=0) + 1e-300)
 
     def here(self, scene):
         """Signals at ten instants, (10, signals), and seconds of stepping; NaN behind the end of a run that failed."""
-        result = run(scene, native=True)
+        result = run(scene, native=self.native)
         instants = np.linspace(0.1, 1.0, LOOKS) * self.scene.stop_time
         rows = np.searchsorted(result.time, instants - 0.5 * self.step)
         values = np.column_stack([np.append(np.asarray(result[n], dtype=float), np.nan) for n in self.signals])

@@ -315,7 +315,8 @@ DRAG = """async ([name, share]) => {
 }"""
 SEEN = """() => {  // largest value of the curve as it is drawn, and as it was computed
     const box = document.getElementById("curve1"), { yaxis } = box._fullLayout;
-    const drawn = box.querySelector(".scatterlayer path.js-line").getAttribute("d").match(/[-0-9.]+,[-0-9.]+/g).map((p) => Number(p.split(",")[1]));
+    const points = box.querySelector(".scatterlayer path.js-line").getAttribute("d").match(/[-0-9.]+,[-0-9.]+/g);
+    const drawn = points.map((p) => Number(p.split(",")[1]));
     return [yaxis.p2c(Math.min(...drawn)), Math.max(...shown.columns[document.getElementById("signal1").value])];
 }"""
 
