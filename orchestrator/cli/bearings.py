@@ -78,8 +78,8 @@ def film(
     from ..systems.bearings.support_tables import film_rows
 
     given = {"diameter": diameter, "length": length, "clearance": clearance}
-    sizes = [number_given(text, "m", f"--{name}") for name, text in given.items()]
-    bearing = ShortBearing(*sizes, number_given(viscosity, "Pa.s", "--viscosity"))
+    sizes = {name: number_given(text, "m", f"--{name}") for name, text in given.items()}
+    bearing = ShortBearing(**sizes, viscosity=number_given(viscosity, "Pa.s", "--viscosity"))
     x, y, z = _load(load, 2)
     if z:
         raise BadInput("--load", repr(load), "a load across the shaft", "A plain bearing carries none along it.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, cast, NamedTuple
 
 import numpy as np
 
@@ -41,14 +41,14 @@ def ball_rows(
     """
     given = {name: _number(name, value) for name, value in parameters.items()}
     bearing = DeepGrooveBearing([*effects, "linearisation"], {**given, "linearisation.idle_stiffness": 0.0}, preset=preset)
-    names = ("displacement_x", "displacement_y", "displacement_z")
+    names, balls = ("displacement_x", "displacement_y", "displacement_z"), cast(int, bearing.parameters["balls"])
     rows = []
     for speed in speeds:
         bearing.set("speed", speed)
         tangents = []
         for k in range(ANGLES):
             bearing.initialize(0.0)
-            bearing.x[1] = 2.0 * math.pi * k / (ANGLES * bearing.parameters["balls"])
+            bearing.x[1] = 2.0 * math.pi * k / (ANGLES * balls)
             static = bearing.equilibrium(np.array([*load, 0.0, 0.0]), held=("tilt_x", "tilt_y"))
             if static.status != DONE or not static.ball_loads.any():
                 reason = "no ball is loaded" if static.status == DONE else "no equilibrium within the range of the contacts"
