@@ -114,7 +114,9 @@ class Filter:
             predicted = (1.0 - share) * before[k] + share * after[k]
             done = update(rows, values - predicted, self.noise[k])
             moves = (1.0 - share)[:, None] * first_sensitivity[k] + share[:, None] * belief.sensitivities[y][k]
-            if belief.sensitivities.shape[1]:  # behind the numbers of the scene come offsets, then delays of the signals
+            if (
+                not isinstance(belief, Ensemble) and belief.sensitivities.shape[1]
+            ):  # behind the numbers of the scene come offsets, then delays of the signals
                 moves[:, -2 * y.size :] += np.hstack(
                     [np.eye(y.size)[k], np.eye(y.size)[k] * ((before - after) / self.dt)[k][:, None]]
                 )

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...components.core.errors import StepFailed
 from ..derivatives.tangent_run import tangent_run
-from .beliefs import Extended
+from .beliefs import Belief
 from .measurements import Measurements
 from .model import Model, Unknown
 
@@ -66,7 +66,7 @@ class Posterior:
     unseen: float
     starts: int
 
-    def columns(self, belief: Extended) -> tuple[np.ndarray, np.ndarray]:
+    def columns(self, belief: Belief) -> tuple[np.ndarray, np.ndarray]:
         """Mean (c,) and covariance (c, c) of the columns of a filter at its end, which leave constants as they are known here."""
         inverse = np.linalg.pinv(belief.Tq)
         mean = inverse @ (self.mean - belief.q)
