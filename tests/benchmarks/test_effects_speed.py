@@ -12,7 +12,7 @@ REPEATS = 301  # each, by turns: short ones, of which the least disturbed count
 SPAN = 4e-3  # s of real time that a measured run takes
 
 
-@pytest.mark.parametrize("name", ["Pantograph", "BallBearing", "RovHull"])
+@pytest.mark.parametrize("name", ["Pantograph", "Thruster", "RovHull"])
 def test_effects_that_are_off_cost_nothing(name, told):
     cls = component_class(name)
     pair = [cls(), never_written(cls)()]

@@ -40,4 +40,4 @@ def test_a_verified_run_costs_its_steps_and_little_more(name, told):
         told.target(
             f"a verified run beside 3.2 times its stepping, `{name}`", 1e3 * (min(verifying) - 3.2 * min(stepping)), 20.0, "ms"
         )
-    assert ratio < 3.0 * steps
+    assert min(verifying) < 3.0 * steps * min(stepping) + 0.05  # s, of starts
