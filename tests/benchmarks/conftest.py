@@ -9,7 +9,6 @@ session told rows of it; other tables stay. The line below a table says version,
 import os
 import platform
 import re
-from collections.abc import Mapping
 from datetime import date
 from pathlib import Path
 
@@ -31,16 +30,19 @@ def machine() -> str:
 
 
 class Tables:
-    """Rows by table, in the order in which they were told."""
+    """Rows by table, in the order in which they were told; one that is told again gets more columns."""
 
     def __init__(self):
         self.machine = machine()
-        self.rows: dict[str, dict[str, Mapping[str, str]]] = {}
+        self.rows: dict[str, dict[str, dict[str, str]]] = {}
 
     def __call__(self, table: str, label: str, **columns: object) -> None:
-        """A row: its label, and by heading its cells. Numbers get three significant digits, `_` in a heading is a space."""
-        cells = {name.replace("_", " "): _cell(value) for name, value in columns.items()}
-        self.rows.setdefault(table, {})[label] = cells
+        """A row: its label, and by heading its cells. Numbers get three significant digits.
+
+        `_` in a heading is a space, and the letter mu, which Python makes of the sign for micro in a name, is that sign.
+        """
+        cells = {name.replace("_", " ").replace("\u03bc", "\u00b5"): _cell(value) for name, value in columns.items()}
+        self.rows.setdefault(table, {}).setdefault(label, {}).update(cells)
         print(f"\n  {table}: {label}: " + ", ".join(f"{name} {cell}" for name, cell in cells.items()), end="")
 
     def target(self, label: str, measured: float, wanted: float, unit: str, least: bool = False) -> None:
