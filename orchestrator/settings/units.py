@@ -112,10 +112,12 @@ class UnitSettings(Model):
             raise BadInput("", actual, "one of them", remedy)
         (kind,) = given
         for key, kinds in OF_KINDS.items():
-            if kind not in kinds and getattr(self, key) != type(self).model_fields[key].default:
+            value = getattr(self, key)
+            if kind not in kinds and value != type(self).model_fields[key].default:
                 known = " or ".join(KIND_NAMES[k] for k in kinds)
                 remedy = "Give its parameters instead." if (key, kind) == ("preset", "fmu") else "Remove it."
-                raise BadInput(key, f"no effect for {KIND_NAMES[kind]}, only for {known}", "", remedy)
+                given_value = f"{value!r} has " if isinstance(value, str) else ""
+                raise BadInput(key, f"{given_value}no effect for {KIND_NAMES[kind]}, only for {known}", "", remedy)
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):
             raise BadInput(
                 "isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class", 'Write "process".'

@@ -9,7 +9,7 @@ from cosimo.orchestrator.judgement import dry_run
 from cosimo.tests.commands import exit_code
 from pythonfmu.builder import FmuBuilder
 
-FMUS = Path(__file__).parents[1] / "benchmarks" / "fmus"
+FMUS = Path(__file__).parent / "fmus"
 SCENE = """
 title = "a mass on a spring"
 stop_time = 2.0

@@ -149,7 +149,7 @@ def test_columns_are_converted_to_the_units_of_inputs(tmp_path):
     [
         ({"component": "Wind"}, "component and signals exclude each other"),
         ({"fmu": "a.fmu"}, "fmu and signals exclude each other"),
-        ({"isolation": "process"}, "isolation: no effect for a table of signals, only for a component or an FMU"),
+        ({"isolation": "process"}, "isolation: 'process' has no effect for a table of signals, only for a component or an FMU"),
         ({"every": 2}, "every: no effect for a table of signals, only for a component or an FMU"),
         ({"tolerance": 1e-6}, "tolerance: no effect for a table of signals, only for an FMU given by its path"),
         ({"interpolation": "cubic"}, "'cubic', expected one of linear, hold, pchip"),
@@ -163,7 +163,7 @@ def test_what_a_unit_of_signals_cannot_be(tmp_path, keys, words):
 
 
 def test_keys_of_tables_are_refused_elsewhere(tmp_path):
-    with pytest.raises(BadInput, match="outside: no effect for a component, only for a table of signals"):
+    with pytest.raises(BadInput, match="outside: 'hold' has no effect for a component, only for a table of signals"):
         cosimo.build_scene({"wind": {"component": "Wind", "outside": "hold"}}, stop_time=1.0, step=0.1)
 
 
