@@ -208,6 +208,10 @@ class KernelComponent(Component):
             block.begin_anew(kept)
         return block
 
+    def forget_written(self) -> None:
+        """Another has written the parameters in the block: the next start writes its own."""
+        self._written = ()
+
     def tune(self, name: str, value: Any) -> None:
         """Set a tunable parameter during the run: kernels read it from the block."""
         self.set(name, value)

@@ -223,6 +223,8 @@ class TangentBlock:
         for first, block in self._blocks(master):
             for part in (slice(block.addresses_at), slice(block.addresses_at + len(block.entries), block.cells)):
                 block.memory[part] = self.cells[first : first + block.cells][part]
+        for node in master.nodes:
+            node.unit.kernels.forget_written()
         records.block.memory[records.changing] = self.cells[self.layout.at + records.changing]
 
     def _blocks(self, master: Master) -> list[tuple[int, Block]]:
@@ -293,7 +295,7 @@ class TangentBlock:
     def advance(self, steps: int) -> None:
         """Macro steps from here on; raises `StepFailed`."""
         for _ in self.rows(steps):
-            pass
+            node.unit.kernels.forget_written()
 
     def fill(self) -> None:
         """On until there are as many samples as inputs are extrapolated from."""

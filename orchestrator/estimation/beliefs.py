@@ -196,8 +196,8 @@ class Ensemble:
         scale = np.sqrt(len(self._live) - 1.0)
         inflation = self._inflation if w.any() else 1.0
         for values in (self._live, self._q):
-            mean, A = values.mean(axis=0), (values - values.mean(axis=0)) * inflation
-            values[:] = mean + (A.T @ w) / scale + W.T @ A
+            mean, A = values.mean(axis=0), values - values.mean(axis=0)
+            values[:] = mean + (A.T @ w) / scale + W.T @ (A * inflation)
 
 
 Belief = Extended | Unscented | Ensemble

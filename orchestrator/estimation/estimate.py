@@ -77,6 +77,11 @@ class _Record:
         scene = scene.with_changes({"stop_time": first + step * (np.ceil((measured.time[-1] - first) / step) + 2.0)})
         self.filtered = filtered = FilteredScene(scene, plan, measured, stack, where, int((measured.time[-1] - first) / step))
         self.measured, self.left_out = filtered.measured, int(measured.time.size - filtered.measured.time.size)
+        if not self.measured.time.size:
+            begin = f"{filtered.model.block.time:.6g} s"
+            raise BadInput(
+                f"{where}: measured", f"no sample behind {begin}", "some there: the filter begins behind the first macro steps"
+            )
         self.noise = filtered.noise = self.measured.rough_noise()
         self.observable = Observability((), np.zeros(0), ())
         if not (self.again or filtered.model.large):
@@ -177,7 +182,8 @@ def _with_numerical_errors(
     answer: Estimate, scene: Scene, plan: EstimateSettings, measured: Measurements, where: str
 ) -> Estimate:
     """Twice the change of the estimates when all steps are halved."""
-    known = replace(measured, noise=answer.noise)
+    first = np.nextafter(min(answer.innovations.time), -np.inf)  # a shorter step would begin with earlier samples
+    known = replace(measured.within(first, np.inf), noise=answer.noise)
     try:
         with ExitStack() as stack:
             halved = _Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, answer).answer()

@@ -157,13 +157,23 @@ def note_runs(runs: Iterable[MadeRun]) -> None:
 
 def asked_for(scene: Scene) -> Scene:
     """The scene as it is to be run: as it is, or with what `runs_with` asks for."""
+    changes = _asked(scene)
+    return scene.with_changes(changes) if changes else scene
+
+
+def altered_by_request(scene: Scene) -> set[str]:
+    """Settings of the scene that `runs_with` asks to be others: those of a point are altered behind its own values."""
+    return set(_asked(scene))
+
+
+def _asked(scene: Scene) -> dict[str, Any]:
     parts, factor, moves, _ = _inside.get()
     changes = shorter(scene, parts, denser=False) if parts > 1 else {}
     changes |= coarser(scene, factor) if factor > 1 else {}
     if moves and (tolerances := tolerances_of(scene)) is not None:
         by_name = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
         changes |= {name: value + dict(moves)[name] * deviation for name, value, deviation in by_name if name in dict(moves)}
-    return scene.with_changes(changes) if changes else scene
+    return changes
 
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:

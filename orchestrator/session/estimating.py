@@ -50,6 +50,15 @@ class Estimating:
             raise BadInput(f"{self._where}: assimilate", f"{t:.9g} s", f"a time up to stop_time = {self._scene.stop_time:g} s")
         return self._at_estimate(self._live.assimilate(t, values, self._known_inputs))
 
+    def _refuse_estimated(self: Any, what: str) -> None:
+        if self._live is not None:
+            raise BadInput(
+                f"{self._where}: {what}",
+                "a session that estimates",
+                "one without estimate(plan)",
+                "What is learnt from measurements is no part of a state; reset() goes back to the scene.",
+            )
+
     @property
     def _known_inputs(self: Any) -> dict[str, float]:
         """Numbers that were set by hand, by name."""

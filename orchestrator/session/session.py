@@ -397,9 +397,10 @@ class Session(Estimating):
         """All that the next steps depend on, between two steps; `restore` takes it, as often as wanted.
 
         bytes(state) is the same for a file, for a session of the same scene in any process. Raises `BadInput` where a unit cannot
-        save its state.
+        save its state, and for a session that estimates.
         """
         self._started("save()")
+        self._refuse_estimated("save")
         unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.saves_state]
         if unable:
             raise BadInput(f"{self._where}: save", ", ".join(unable), "units that can save their state")
@@ -411,6 +412,7 @@ class Session(Estimating):
         Raises `BadInput` for one of another scene, or of units that were closed meanwhile.
         """
         self._alive()
+        self._refuse_estimated("restore")
         if not self._initialized:
             self.initialize()
         if isinstance(state, bytes):

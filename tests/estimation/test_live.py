@@ -167,3 +167,24 @@ def test_a_plan_without_noise_and_a_session_under_way_are_refused():
         sim.step()
         with pytest.raises(BadInput, match="reset"):
             sim.estimate(plan())
+
+
+def test_a_reset_session_is_the_scene_again_and_an_estimate_is_no_state():
+    with opened() as sim, opened() as fresh:
+        state = (sim.initialize(), sim.save())[1]
+        sim.reset()
+        sim.estimate(plan())
+        for k, t in enumerate(TRUTH.times[:8]):
+            sim.assimilate(float(t), {SIGNAL: 0.3 * (-1) ** k})  # far from what the scene expects
+        assert sim["spring.stiffness"] != 100.0
+        with pytest.raises(BadInput, match="save: got a session that estimates, expected one without"):
+            sim.save()
+        with pytest.raises(BadInput, match="restore: got a session that estimates"):
+            sim.restore(state)
+        sim.reset()
+        for session in (sim, fresh):
+            for name in ("spring.stiffness", "mass.start_x", "mass.start_velocity_x"):
+                session[name] = {"mass.start_x": 0.1}.get(name, fresh[name])
+            session.initialize()
+            session.until(1.0)
+        assert sim[SIGNAL] == fresh[SIGNAL]

@@ -22,6 +22,7 @@ LARGEST_CONDITION = 1e6  # of the scaled Jacobian: beyond it a direction is know
 LARGEST_CORRELATION = 0.98  # of two fitted parameters that the data can hardly distinguish (our choice)
 AT_BOUND = 1e-6  # of the range between the bounds
 COVERAGE = 0.95  # of the intervals
+FAILED = 1e3  # a residual of a run that fails, in deviations
 TUNING = (
     1.345  # standard deviations: with normal noise, Huber's estimate has then 95 % of the efficiency of least squares (recalled)
 )
@@ -192,10 +193,10 @@ def profile_end(
         """Root of the rise."""
         start = np.clip(p[others] + np.nan_to_num(slope) * (v - p[k]), 1e-9, 1.0 - 1e-9)
         if not n - 1:
-            r = residuals(whole(v, start))
+            r = np.nan_to_num(residuals(whole(v, start)), nan=FAILED)
         else:
             solution = least_squares(
-                lambda q: np.nan_to_num(residuals(whole(v, q)), nan=1e3),
+                lambda q: np.nan_to_num(residuals(whole(v, q)), nan=FAILED),
                 start,
                 jac=lambda q: jacobian(whole(v, q))[:, others],
                 bounds=(0.0, 1.0),

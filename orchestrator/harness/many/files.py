@@ -210,7 +210,7 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
             }
             coordinates: dict[str, Any] = {}
             if keep.interval is not None:
-                coordinates["time"] = ("time", keep.interval * np.arange(longest), {"units": "s"})
+                coordinates["time"] = ("time", sweep.scene.start_time + keep.interval * np.arange(longest), {"units": "s"})
             else:
                 variables["time"] = (("point", along), _padded(table, TIME, longest), {"units": "s", "long_name": "time"})
             yield xarray.Dataset(variables, coordinates, dict(attributes))

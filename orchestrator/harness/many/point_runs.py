@@ -18,7 +18,7 @@ from ...run.run import Run, run
 from ...run.run_record import RunRecord, UnitRecord
 from ...run.watch import Watch
 from ...scene.names import parameter_of
-from ...scene.shorter_steps import asked_for
+from ...scene.shorter_steps import altered_by_request, asked_for
 from .measures import PointResult, Task, row_of_result
 
 log = logging.getLogger("cosimo")
@@ -121,7 +121,9 @@ class PointRuns:
         return watch.result(scene, RunRecord(outcome="done", missed=missed, units=units))
 
     def _are_numbers(self, names: tuple[str, ...]) -> bool:
-        """Whether points that differ in these names differ in numbers alone."""
+        """Whether points that differ in these names differ in numbers alone, none of which `runs_with` asks to be another one."""
+        if altered_by_request(self.scene).intersection(names):
+            return False
         if names not in self._numbers and all(map(self._number, names)):
             self._numbers.add(names)
         return names in self._numbers
@@ -130,7 +132,7 @@ class PointRuns:
         """The run with the values of a point; raises `BadInput` for one that cannot start."""
         numbers = {name: value for name, value in values.items() if self._number(name)}
         open_scene = self.open_scene({name: value for name, value in values.items() if name not in numbers})
-        if open_scene is None or not open_scene.takes(numbers):
+        if open_scene is None or not open_scene.takes(numbers) or altered_by_request(self.scene).intersection(numbers):
             return self._anew(values)
         try:
             scene = open_scene.begin_anew(numbers)

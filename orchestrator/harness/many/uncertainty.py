@@ -153,13 +153,14 @@ def probability(column: str, limit: LimitSettings | None, inside: np.ndarray) ->
 def _kept(limits: Mapping[str, LimitSettings], values: Mapping[str, np.ndarray]) -> tuple[Inside, ...]:
     """How often each limit is kept, and all together; samples without a number do not count."""
     answers = []
-    together = np.ones(next((x.size for x in values.values()), 0), dtype=bool)
+    known = np.all([np.isfinite(values[name]) for name in limits], axis=0)
+    together = np.ones(known.size, dtype=bool)
     for name, limit in limits.items():
         x = values[name]
         inside = np.array([limit.keeps(v) for v in x], dtype=bool)
         answers.append(probability(name, limit, inside[np.isfinite(x)]))
         together &= inside
-    return (*answers, probability("", None, together)) if len(answers) > 1 else tuple(answers)
+    return (*answers, probability("", None, together[known])) if len(answers) > 1 else tuple(answers)
 
 
 def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDENCE) -> int:

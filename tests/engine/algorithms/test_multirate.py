@@ -115,6 +115,11 @@ def test_it_steps_when_the_others_are_there_and_holds_its_outputs_until_then(alg
     assert result.info.counters.units["a"]["steps"] == 10
 
 
+def test_the_last_steps_are_taken_where_a_run_ends_before_zero():
+    scene = masses({"b": 4}, "jacobi", 0.01, 1, stop=-9.9) | {"start_time": -10.0}
+    assert run(read_scene(scene)).info.counters.units["b"]["steps"] == 3
+
+
 SHIFT = {"signal": "a.force", "kind": "offset", "value": 1.0, "begin": 1.005}
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.analysis.least_squares import fit
+from cosimo.orchestrator.harness.analysis.least_squares import fit, profile_end
 
 WIDE = {"offset": (-1e3, 1e3), "slope": (-1e3, 1e3)}
 
@@ -51,3 +51,14 @@ def test_a_fit_at_its_bound_says_so():
     x, y = line(3)
     found = fit(lambda p: p[0] + p[1] * x - y, {"offset": 0.0, "slope": 0.1}, {"offset": (-1e3, 1e3), "slope": (0.0, 0.2)})
     assert any("slope has stopped at its upper bound" in text for text in found.messages)
+
+
+def test_a_profile_of_one_parameter_goes_on_where_runs_fail():
+    x, y = line(3)
+
+    def residuals(p):
+        return np.full(x.size, np.nan) if p[0] > 0.55 else (x * p[0] - y + 2.0) / 0.3
+
+    best = fit(lambda p: residuals(p), {"slope": 0.5}, {"slope": (0.0, 1.0)}, noise_known=True)
+    end, _ = profile_end(best, residuals, lambda p: x[:, None] / 0.3, 0, 1.0)
+    assert best.values[0] < end <= 0.56

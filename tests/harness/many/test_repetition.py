@@ -103,6 +103,19 @@ def test_a_macro_step_that_varies_is_halved_as_well():
     assert 0.7 * true < result.repeated.errors[END] < 2.0 * true
 
 
+def test_an_internal_step_that_varies_is_halved_as_well():
+    """Each point with half of its own: the macro step alone changes nothing of a single unit."""
+    scene, end, steps = (
+        load_scene("double-pendulum").with_changes({"stop_time": 2.0, "master.step": 0.1}),
+        "chain.tip_x, end",
+        [0.05, 0.025],
+    )
+    result = sweep(scene, {"vary": {"chain.substep": steps}, "keep": {"quantities": [end]}})
+    finer = sweep(scene, {"vary": {"chain.substep": [0.5 * h for h in steps]}, "keep": {"quantities": [end]}}, verify=False)
+    differences = np.abs(result.measures[end] - finer.measures[end])
+    assert result.repeated.errors[end] >= 0.9 * differences.max() > 0.0
+
+
 def test_a_mean_near_zero_is_judged_by_the_size_of_its_signal_and_failed_points_are_named():
     numbers = {"a.x, mean": np.array([1e-9, np.nan]), "a.x, maximum": np.array([2.0, np.nan]), "own": np.array([4.0, np.nan])}
     half = {
