@@ -224,7 +224,8 @@ class TangentBlock:
             for part in (slice(block.addresses_at), slice(block.addresses_at + len(block.entries), block.cells)):
                 block.memory[part] = self.cells[first : first + block.cells][part]
         for node in master.nodes:
-            node.unit.kernels.forget_written()
+            if node.unit.kernels is not None:
+                node.unit.kernels.forget_written()
         records.block.memory[records.changing] = self.cells[self.layout.at + records.changing]
 
     def _blocks(self, master: Master) -> list[tuple[int, Block]]:
@@ -295,7 +296,7 @@ class TangentBlock:
     def advance(self, steps: int) -> None:
         """Macro steps from here on; raises `StepFailed`."""
         for _ in self.rows(steps):
-            node.unit.kernels.forget_written()
+            pass
 
     def fill(self) -> None:
         """On until there are as many samples as inputs are extrapolated from."""
