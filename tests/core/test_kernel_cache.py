@@ -104,6 +104,7 @@ def test_what_only_kernels_call_has_no_code_for_python_before_python_calls_it(pa
     def called() -> list:
         environment = {**os.environ, "PYTHONPATH": str(package.parent), "COSIMO_CACHE": str(tmp_path / "cache")}
         environment.pop("NUMBA_CACHE_DIR", None)
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"  # which knows sources of one size by the second
         done = subprocess.run([sys.executable, "-c", LATER], env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)

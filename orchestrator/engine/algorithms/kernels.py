@@ -54,7 +54,7 @@ from .records import (
 WARNING = 1
 KNOWN = -1  # in the place of a degree
 LIMIT = 1e12  # of the sum of all outputs, each relative to its nominal value: what is beyond is to be looked at
-ROUNDED = 1e-12  # of the end of a run: rounding of sums of steps
+ROUNDED = 1e-12  # of a time: rounding of sums of steps
 
 
 @kernel
@@ -220,7 +220,7 @@ def _start(unit, units, links, pasts, signals, buffer, t, h):
         unit.count += 1
         equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
         unit.length = unit.count * h if equal else unit.length + h
-        if unit.count < unit.every and t + h < unit.stop - ROUNDED * abs(unit.stop):
+        if unit.count < unit.every and unit.stop - (t + h) > ROUNDED * abs(t + h):
             return 0
         unit.count = 0
         for k in range(unit.links):
