@@ -220,7 +220,7 @@ def _start(unit, units, links, pasts, signals, buffer, t, h):
         unit.count += 1
         equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
         unit.length = unit.count * h if equal else unit.length + h
-        if unit.count < unit.every and unit.stop - (t + h) > ROUNDED * abs(t + h):
+        if unit.count < unit.every and unit.stop - (t + h) > ROUNDED * (abs(t) + h):
             return 0
         unit.count = 0
         for k in range(unit.links):

@@ -115,8 +115,9 @@ def test_it_steps_when_the_others_are_there_and_holds_its_outputs_until_then(alg
     assert result.info.counters.units["a"]["steps"] == 10
 
 
-def test_the_last_steps_are_taken_where_a_run_ends_before_zero():
-    scene = masses({"b": 4}, "jacobi", 0.01, 1, stop=-9.9) | {"start_time": -10.0}
+@pytest.mark.parametrize(("start", "stop"), [(-10.0, -9.9), (-0.1, 0.0)])
+def test_the_last_steps_are_taken_where_a_run_ends_before_zero_or_there(start, stop):
+    scene = masses({"b": 4}, "jacobi", 0.01, 1, stop=stop) | {"start_time": start}
     assert run(read_scene(scene)).info.counters.units["b"]["steps"] == 3
 
 
