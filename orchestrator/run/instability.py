@@ -1,6 +1,6 @@
 """An unstable run is stopped early: the extrapolation error of an input grows, and the input grows with it.
 
-Both conditions are needed. An extrapolation error alone may come from a coarse step or noise. SeenGrowth alone may be a motion that is
+Both conditions are needed. An extrapolation error alone may come from a coarse step or noise. Growth alone may be a motion that is
 extrapolated well. For power bonds the two conditions are that the coupling creates energy, and that it creates more each time.
 
 At its end a run is judged by its last looks as well, however few they are (`close`), and for how far extrapolations have missed on the

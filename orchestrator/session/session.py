@@ -396,7 +396,7 @@ class Session(Estimating):
     def save(self) -> State:
         """All that the next steps depend on, between two steps; `restore` takes it, as often as wanted.
 
-        bytes(state) is the same for a file, for a session of the same scene in any process. Raises `BadInput` where a unit cannot.
+        bytes(state) is the same for a file, for a session of the same scene in any process. `BadInput`: a unit cannot, or it estimates.
         """
         self._started("save()")
         self._refuse_estimated("save")
