@@ -16,6 +16,7 @@ from ...run.comparison import SURE, UNSURE
 from ...run.run import run
 from ...run.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
 from ...scene.scene import Scene
+from ...scene.shorter_steps import refined
 from ...scene_fmu import refuse_what_needs_python
 from ...settings.explore import ENDS
 from ..validation.reference import STANDINGS, load_table, table_files
@@ -125,6 +126,7 @@ def content_of(
         "signals": [_signal(v) for v in _numbers(built[0].library, "OUTPUT") if v.scalar.name not in elements],
         "snapshots": elements,
         "machines": [m for machine in machines if (m := machine.formulas(result, names))],
+        "refined": sorted(refined(scene, 1.0)),  # what is halved with the macro step, as by the command
         "figures": [f.to_json() for f in figures],
         "table": reference,
         "presets": presets,

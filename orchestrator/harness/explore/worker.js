@@ -145,7 +145,7 @@ async function serve() {
   }
   busy = false;
 }
-const shorter = (job, parts) => ({ ...job, values: { ...job.values, ...Object.fromEntries(Object.entries(data.usual).filter(([name]) => name.endsWith(".substep"))
+const shorter = (job, parts) => ({ ...job, values: { ...job.values, ...Object.fromEntries(Object.entries(data.usual).filter(([name]) => data.refined.includes(name))
   .map(([name, value]) => [name, (job.values[name] ?? value) / parts])) } }); // internal steps, too
 // What lies between rows: how far the figures of every second row are from those of all, as `_gaps` of judgement/verification.py.
 // Where that matters, with the ends of the run, from which changes and integrals count.
