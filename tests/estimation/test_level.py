@@ -1,16 +1,21 @@
-"""How often the verdict rejects a right model: as often as it says, whatever the number of signals and samples."""
+"""How often the verdict rejects a right model, and bands hold the truth: as often as they say, whatever the number of samples."""
 
 from __future__ import annotations
 
 import re
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
+from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.estimation.filtered_scene import FilteredScene, plan_of
 from cosimo.orchestrator.estimation.filtering import Innovations
-from cosimo.orchestrator.estimation.measurements import Measurements
+from cosimo.orchestrator.estimation.measurements import Measurements, measurements_of
+from cosimo.orchestrator.estimation.suspects import judged as doubted
 from cosimo.orchestrator.estimation.verdict import LEVEL, verdict
+from cosimo.tests.estimation.oscillator import SIGNAL, Oscillator
 from scipy.signal import lfilter
-from scipy.stats import binom
+from scipy.stats import binom, chi2
 
 NAMES = tuple("abcde")
 
@@ -51,3 +56,33 @@ def test_innovations_that_follow_from_earlier_ones_are_noticed():
     assert noticed["slope"] > 80
     assert noticed["line"] > 60  # at the worst place: halfway between two ordinates
     assert noticed["white"] <= 2
+
+
+@pytest.mark.full
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_a_filter_of_a_right_model_is_rejected_and_off_as_often_as_stated():
+    """100 draws of a mass on a spring by one opening of the scene, each within 99.9 % of what is stated. 300 seeds: see the campaign."""
+    case, p, off = Oscillator(h=0.02, every=2, count=60), [], []
+    plan, where, folder = plan_of(case.plan())
+    scene = case.scene(stop_time=case.times[-1] + 3.0 * case.h)
+    with ExitStack() as stack:
+        drawn = lambda y: measurements_of(plan, scene, folder, {SIGNAL: (case.times, y)}, where)  # noqa: E731
+        filtered = FilteredScene(scene, plan, drawn(case.times), stack, where, case.every * case.count)
+        begins, model = filtered.model.block.time, filtered.model
+        columns = {name: k for k, name in filtered.columns.items()}
+        state = [columns[name] for name in ("mass.base_x", "mass.base_velocity_x")]
+        for seed in range(100):
+            y, states = case.drawn(seed)
+            measured = drawn(y).within(begins, np.inf)
+            run = filtered.filter(doubts=True, smooth=False)
+            run.run(measured)
+            suspects = doubted(model, filtered.suspected, measured.signals, measured.units, run.innovations)
+            deviations = np.sqrt((run.belief.Tq**2).sum(axis=1))
+            checks = verdict(measured, run.innovations, model.unknowns, run.belief.q, deviations, suspects).checks
+            p.append(min(c.p for c in checks) * len(checks))
+            off.append((run.track.values[-1][state] - states[-1]) / run.track.columns[-1][state, 0])
+    for level in (LEVEL, 0.05, 0.2):
+        assert np.sum(np.array(p) < level) <= binom.ppf(0.999, len(p), level), level
+    size = np.sum(np.square(off), axis=0)
+    assert (chi2.ppf(0.001, len(off)) < size).all()
+    assert (size < chi2.ppf(0.999, len(off))).all()
