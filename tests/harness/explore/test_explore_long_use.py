@@ -10,33 +10,35 @@ from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
 pytestmark = needs_node
 SCANNED = "Number(document.getElementById('results').dataset.scanned) === question"
-CHANGES = 2000
+CHANGES = 1000
 MANY = """async ([first, count]) => { for (let k = first; k < first + count; k++) {
-    change({ ...state, values: { "spring.stiffness": 50 + (k % 700) }, step: k % data.steps.length, extrapolation: k % 3 }, k % 10 === 0);
+    change({ ...state, values: { "spring.stiffness": 100 * (1 + k % 7) }, step: k % data.steps.length, extrapolation: k % 3 }, k % 10 === 0);
     await new Promise((done) => setTimeout(done, 4));
 } }"""
 
 
 def size(page, session):
-    """Bytes of the page's heap, its nodes, and bytes of the module's memory."""
+    """Bytes of the page's heap with its buffers, its nodes, and bytes of the module's memory."""
     session.send("HeapProfiler.collectGarbage")
-    heap = session.send("Runtime.getHeapUsage")["usedSize"]
+    usage = session.send("Runtime.getHeapUsage")
+    heap = usage["usedSize"] + usage.get("backingStorageSize", 0.0)  # of browsers from 2025 on
     return heap, page.evaluate("document.getElementsByTagName('*').length"), page.evaluate("shown.memory")
 
 
 @pytest.mark.full
-def test_two_thousand_changes_leave_nothing_behind(small, opened):  # noqa: F811
+def test_a_thousand_changes_leave_nothing_behind(small, opened):  # noqa: F811
+    # Seven stiffnesses in turn: Plotly keeps the size of up to 10 000 texts, some 5 MB, and every new value would bring some.
     page = opened(small)
     session = page.context.new_cdp_session(page)
     page.wait_for_function(SCANNED, timeout=WAIT)
     sizes = []
     for part in range(3):
-        page.evaluate(MANY, [part * CHANGES // 2, CHANGES // 2])
+        page.evaluate(MANY, [part * CHANGES // 3, CHANGES // 3])
         at(page, "spring.stiffness=200")
         page.wait_for_function(SCANNED, timeout=WAIT)
         sizes.append(size(page, session))
     (_, _, _), before, after = sizes  # the first part fills caches
-    assert after[0] < 1.1 * before[0] + 1e6
+    assert after[0] < before[0] + 1e6, "a change leaves 3 kB behind"
     assert after[1] <= before[1] + 20
     assert after[2] == before[2]
 
