@@ -31,6 +31,7 @@ def estimate(
     step: Step = None,
     values: Changes = None,
     presets: Presets = None,
+    jobs: Annotated[int | None, Option("--jobs", help="Threads for the runs of constants; default: one for each core.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """State and parameters from noisy signals. Example: cosimo estimate scene.toml --plan plan.toml -o out
@@ -42,7 +43,7 @@ def estimate(
 
     loaded = scene_of(scene, values, presets, {"master.step": step})
     with status_spinner("estimation"):
-        answer = find(loaded, plan, halved=not no_verify, say=lambda text: warn([text]))
+        answer = find(loaded, plan, halved=not no_verify, jobs=jobs, say=lambda text: warn([text]))
     written = [*answer.save(output), for_estimate(answer, output)]
     if as_json:
         print(json.dumps(answer.to_json(), indent=2))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from copy import copy
 from math import inf
 from typing import Any, NamedTuple
 
@@ -99,6 +100,14 @@ class TangentBlock:
         self._steps = self._code.entry("master_run_steps", 2)
         self.h = scene.master.step
         self._stand(scene.start_time)
+
+    def another(self) -> TangentBlock:
+        """The same scene and machine code in memory of its own, for another thread; as this one, `start` comes first."""
+        other, n = copy(self), self.layout.cells
+        other.initial, other._arena = self.initial.copy(), Arena(self._times + CHUNK, self.width)
+        other.cells, other.tangents = other._arena.cells[:n], other._arena.tangents[:n]
+        other._stand(self.scene.start_time)
+        return other
 
     def _refuse(self, reasons: Sequence[str]) -> None:
         if reasons:

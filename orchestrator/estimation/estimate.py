@@ -37,18 +37,20 @@ def estimate(
     folder: str | Path = ".",
     data: Data | None = None,
     halved: bool = True,
+    threads: int = 1,
     say: Callable[[str], None] = lambda text: None,
 ) -> Estimate:
     """State and parameters of a scene from measured signals, with bands and a verdict.
 
     plan: a TOML file, or the same as plain data.  folder: of measured files, where the plan is no file.  data: signal -> (time in s,
-    values in SI units), in the place of files.  halved: the numerical error, by another filter with half of all steps.  say: is told
-    beforehand what the measurements cannot tell. Raises `BadInput`, and `StepFailed` where the scene cannot go on from an estimate.
+    values in SI units), in the place of files.  halved: the numerical error, by another filter with half of all steps.  threads:
+    for runs of constants, which change no number.  say: is told beforehand what the measurements cannot tell. Raises `BadInput`,
+    and `StepFailed` where the scene cannot go on from an estimate.
     """
     wanted, where, folder = plan_of(plan, folder)
     measured = measurements_of(wanted, scene, folder, data or {}, where)
     with ExitStack() as stack:
-        course = _Record(scene, wanted, measured, stack, where)
+        course = _Record(scene, wanted, measured, stack, where, threads=threads)
         for text in course.observable.texts:
             say(text)
         answer = course.answer()
@@ -66,8 +68,10 @@ class _Record:
         stack: ExitStack,
         where: str,
         coarse: Estimate | None = None,
+        threads: int = 1,
     ):
         """coarse: the answer with other steps, of which this is for the numbers alone."""
+        self._threads = threads
         self.again, self.plan, self.coarse = coarse is not None, plan, coarse.posterior if coarse else None
         self.known: Posterior | None = None
         self.moves = 0.0
@@ -113,7 +117,7 @@ class _Record:
         if filtered.name != EXTENDED or not model.constants.size:
             return
         if not model.disturbs:
-            runs = Runs(model, self.measured, self.noise)
+            runs = Runs(model, self.measured, self.noise, self._threads)
             if self.coarse is None:
                 self.known = posterior(runs)
             else:  # of the same maximum with other steps, all else is as it was

@@ -10,8 +10,12 @@ weight of maxima that one start alone has found: about as much is still unseen (
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass, replace
+from queue import SimpleQueue
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +25,7 @@ from .beliefs import Belief
 from .measurements import Measurements
 from .model import Model, Unknown
 
+T = TypeVar("T")
 BATCH, MOST = 8, 32  # starts: so many at once, and at most
 CLIMBS, SETTLED = 20, 0.03  # runs of a climb at most; the step, in deviations, that ends it
 SAME = 1.0  # deviations between two ends of climbs that are one maximum
@@ -99,22 +104,52 @@ class Posterior:
 
 
 class Runs:
-    """The logarithm of likelihood and expectation by runs of a model without disturbances; `u` in deviations of what was expected."""
+    """The logarithm of likelihood and expectation by runs of a model without disturbances; `u` in deviations of what was expected.
 
-    def __init__(self, model: Model, measured: Measurements, noise: np.ndarray):
+    beside: the same for further threads.
+    """
+
+    beside: tuple[Runs, ...] = ()
+
+    def __init__(self, model: Model, measured: Measurements, noise: np.ndarray, threads: int = 1):
         """noise: (k,) of the signals."""
         self.model, self._measured, self._noise = model, measured, noise[measured.which]
+        self._block = model.block
         self.mean = np.array([u.mean for u in model.unknowns])
         self.deviation = np.array([u.deviation for u in model.unknowns])
         self._signals = np.array([model.signals.index(n) for n in measured.signals], dtype=np.intp)[measured.which]
+        self.beside = tuple(self._another() for _ in range(1, threads))
+
+    def _another(self) -> Runs:
+        other = copy(self)
+        other._block = self._block.another()
+        return other
+
+    def each(self, what: Callable[[Runs, np.ndarray], T], points: Iterable[np.ndarray]) -> list[T]:
+        """What runs say of points, (p,) each, in their order, whichever thread it is that has run them."""
+        free: SimpleQueue[Runs] = SimpleQueue()
+        for one in (self, *self.beside):
+            free.put(one)
+
+        def work(u: np.ndarray) -> T:
+            one = free.get()
+            try:
+                return what(one, u)
+            finally:
+                free.put(one)
+
+        if not self.beside:
+            return [work(u) for u in points]
+        with ThreadPoolExecutor(1 + len(self.beside), "cosimo-constants") as executor:
+            return list(executor.map(work, points))
 
     def __call__(self, u: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """(value, residuals over noise (n,), derivatives of the predictions over noise (n, p)); -inf where no run goes on."""
         model, p = self.model, u.size
         q = self.mean + self.deviation * u
-        model.set_unknowns(q)
+        self._block.set({one.name: one.bounds.outer(v) for one, v in zip(model.unknowns, q, strict=True)})
         try:
-            rows = tangent_run(model.block, [one.name for one in model.unknowns])
+            rows = tangent_run(self._block, [one.name for one in model.unknowns])
         except StepFailed:
             return -np.inf, np.zeros(0), np.zeros((0, p))
         time, k = self._measured.time, self._signals
@@ -150,7 +185,7 @@ def posterior(runs: Runs) -> Posterior:
     maxima, starts = _maxima(runs)
     mixture = _Mixture(maxima)
     for _ in range(ROUNDS):
-        mixture.draw(lambda u: runs(u)[0])
+        mixture.draw(lambda points: runs.each(lambda one, u: one(u)[0], points))
     u, weights, shares = mixture.u, mixture.weights, mixture.shares()
     labels = _groups(mixture)
     of_groups = np.array([shares[labels == k].sum(axis=0) for k in range(labels.max() + 1)]) * weights
@@ -183,15 +218,15 @@ def _maxima(runs: Runs) -> tuple[list[Maximum], int]:
     spread = norm.ppf(qmc.Sobol(runs.mean.size, scramble=True, seed=0).random(MOST))
     spread[0] = 0.0
     maxima: list[Maximum] = []
-    for count, start in enumerate(spread, 1):
-        one = runs.climb(start)
-        if one.value > -np.inf:
-            same = (k for k, m in enumerate(maxima) if (d := one.u - m.u) @ np.linalg.solve(m.covariance, d) < SAME**2)
-            if (k := next(same, None)) is None:
-                maxima.append(one)
-            else:
-                maxima[k] = replace(max(one, maxima[k], key=lambda m: m.value), starts=maxima[k].starts + 1)
-        if maxima and count % BATCH == 0 and all(m.starts > 1 for m in maxima):
+    for count in range(BATCH, MOST + 1, BATCH):
+        for one in runs.each(lambda one, u: one.climb(u), spread[count - BATCH : count]):
+            if one.value > -np.inf:
+                same = (k for k, m in enumerate(maxima) if (d := one.u - m.u) @ np.linalg.solve(m.covariance, d) < SAME**2)
+                if (k := next(same, None)) is None:
+                    maxima.append(one)
+                else:
+                    maxima[k] = replace(max(one, maxima[k], key=lambda m: m.value), starts=maxima[k].starts + 1)
+        if maxima and all(m.starts > 1 for m in maxima):
             break
     if not maxima:
         scene = runs.model.scene
@@ -217,8 +252,8 @@ class _Mixture:
         self.share, self.u, self._values = _laplace(maxima), np.zeros((0, maxima[0].u.size)), np.zeros(0)
         self._before: list[tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]] = []
 
-    def draw(self, value: Callable[[np.ndarray], float]) -> None:
-        """A round: draw, weigh, fit."""
+    def draw(self, values: Callable[[np.ndarray], list[float]]) -> None:
+        """A round: draw, weigh, fit. values: of points, (n, p)."""
         count, p = len(self.means), self.means[0].size
         spread = 0.9 * self.share + 0.1 / count  # a maximum without weight is looked at, too
         self._before.append((spread, list(self.means), list(self.covariances)))
@@ -228,7 +263,7 @@ class _Mixture:
         z = self._rng.standard_normal((DRAWN, p)) / sizes[:, None]
         new = np.array([self.means[k] + roots[k] @ one for k, one in zip(of, z, strict=True)])
         self.u = np.vstack([self.u, new])
-        self._values = np.append(self._values, [value(u) for u in new])
+        self._values = np.append(self._values, values(new))
         density = np.mean([share @ _densities(self.u, *shape) for share, *shape in self._before], axis=0)
         logs = self._values - np.log(density)
         self.weights = np.exp(logs - logs.max())
@@ -277,7 +312,7 @@ def _groups(mixture: _Mixture) -> np.ndarray:
 
 
 def _quantiles(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The ends of the 95 % in the middle, (2,)."""
-    order = np.argsort(values)
-    below = np.cumsum(weights[order]) - 0.5 * weights[order]
+    """The ends of the 95 % in the middle, (2,): of n draws the k-th has k / (n + 1) below it in the mean (Weibull 1939; recalled)."""
+    order, n = np.argsort(values), 1.0 / float(weights @ weights)
+    below = (n * (np.cumsum(weights[order]) - 0.5 * weights[order]) + 0.5) / (n + 1.0)
     return np.interp([0.025, 0.975], below, values[order])

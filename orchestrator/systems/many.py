@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...components.core.errors import BadInput
 from ..harness import sweep as sweeps
 from ..harness.many.plan import from_columns
 from ..harness.sweep import Sweep
@@ -145,17 +146,22 @@ def estimate(
     folder: str | Path = ".",
     data: Data | None = None,
     halved: bool = True,
+    jobs: int | None = 1,
     say: Callable[[str], None] = lambda text: None,
 ) -> Estimate:
     """State and parameters of a scene from measured signals, with bands, and a verdict whether the model explains them.
 
     plan: a TOML file, or the same as plain data.  output: a directory for tables and the report.  folder: of measured files, where the
     plan is no file.  data: signal -> (time in s, values in SI units), (n,) each, in the place of files.  halved: numerical errors, by
-    another filter with half of all steps.  say: is told beforehand what the measurements cannot tell. Raises `BadInput`, `StepFailed`.
+    another filter with half of all steps.  jobs: threads for the runs of constants, which change no number; None: one for each core.
+    say: is told beforehand what the measurements cannot tell. Raises `BadInput`, `StepFailed`.
     """
     from ..estimation.estimate import estimate as find
+    from ..harness.many.execute import cores
 
-    answer = find(scene_of(scene), plan, folder=folder, data=data, halved=halved, say=say)
+    if jobs is not None and jobs < 1:
+        raise BadInput("estimate: --jobs", str(jobs), "at least 1")
+    answer = find(scene_of(scene), plan, folder=folder, data=data, halved=halved, threads=jobs or cores(), say=say)
     if output is not None:
         from ..harness.report.studies.estimate import for_estimate
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
+from threading import get_ident
+from time import sleep
 
 import cosimo
 import numpy as np
@@ -11,7 +14,7 @@ from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.estimation.bounds import Bounds
 from cosimo.orchestrator.estimation.model import Unknown
 from cosimo.orchestrator.estimation.posterior import MAY_NOT, Runs, posterior
-from cosimo.tests.estimation.oscillator import DAMPING, Oscillator
+from cosimo.tests.estimation.oscillator import DAMPING, SIGNAL, Oscillator
 
 UNKNOWN = [Unknown("unit.constant", "m", Bounds(), 0.0, 1.0, 0.0, np.inf)]
 
@@ -103,6 +106,51 @@ def test_a_stiffness_that_few_samples_leave_ambiguous():
     assert sorted(weight for weight, _ in found.posterior.groups)[-2:] == pytest.approx(sorted([near, 1.0 - near]), abs=0.06)
     assert "several values explain the measurement: spring.stiffness = " in " ".join(found.verdict.remarks)
     assert found.explains
+
+
+@machine_code
+def test_threads_change_no_number():
+    """Two that take turns at random: each run begins anew, whichever memory it has."""
+    case = Oscillator(h=0.005, every=200, count=9)
+    y = swing(100.0, case.times) + 0.005 * np.random.default_rng(3).standard_normal(case.count)
+    unknown = {"spring.stiffness": {"deviation": "20 %"}, "spring.damping": {"deviation": "10 %"}}
+    plan = case.plan(estimated=unknown, states={}, suspected=[])
+    scene, data = case.scene(**{"mass.start_x": STARTS}), {SIGNAL: (case.times, y)}
+    one, two = (cosimo.estimate(scene, plan, data=data, halved=False, jobs=jobs) for jobs in (1, 2))
+    assert one.parameters == two.parameters
+    assert one.log_likelihood == two.log_likelihood
+    assert one.posterior.effective == two.posterior.effective
+    assert len(one.posterior.groups) == len(two.posterior.groups) > 1
+
+
+@machine_code
+@pytest.mark.parametrize(("h", "noise", "said"), [(0.025, 5e-4, True), (0.005, 0.02, False)])
+def test_an_error_of_the_steps_beside_a_narrow_band_is_said(h, noise, said):
+    """The truth is a closed form: bands of noise alone miss it by far with long steps, and the numerical error says by how much."""
+    case = Oscillator(h=h, every=round(0.05 / h), count=40, noise=noise)
+    y = swing(104.0, case.times) + noise * np.random.default_rng(7).standard_normal(case.count)
+    changes = {"estimated": {"spring.stiffness": {"deviation": "10 %"}}, "states": {}, "suspected": []}
+    found = case.estimate(y, case.scene(**{"mass.start_x": STARTS}), halved=True, smooth=False, **changes)
+    stiffness = found["spring.stiffness"]
+    off = abs(stiffness.value - 104.0)
+    assert (off > 3.0 * stiffness.deviation) == said
+    assert off < stiffness.error + 3.0 * stiffness.deviation
+    text = "the numerical error of spring.stiffness is more than half of a standard deviation: reduce master.step"
+    assert (text in found.verdict.remarks) == said
+
+
+def test_points_come_in_their_order_whoever_is_first():
+    class Slow(Curve):
+        def __call__(self, u):
+            sleep(0.02 if u[0] < 3.0 else 0.0)
+            threads.add(get_ident())
+            return super().__call__(u)
+
+    runs, threads = Slow(lambda u: u, np.ones_like, 0.0, 1.0), set()
+    runs.beside = (copy(runs),)
+    found = runs.each(lambda one, u: one(u)[0], np.arange(6.0)[:, None])
+    assert found == [-(u**2) for u in np.arange(6.0)]
+    assert len(threads) == 2
 
 
 @machine_code
