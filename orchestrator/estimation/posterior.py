@@ -1,11 +1,11 @@
 """What a record says of constants where nothing disturbs the scene: the run follows from them, so their likelihood is that of a run.
 
-Friction that sticks and balls that roll through a clearance give the likelihood several maxima. Starts spread over what was expected
-climb to these, by the derivatives of runs (Levenberg and Marquardt). Around each maximum stands a Student distribution of the shape that
-the derivatives give it; numbers are drawn from the mixture and weighted by what a run says of them over what the mixture does, and the
-mixture is fitted to them anew (adaptive multiple importance sampling: Cornuet, Marin, Mira, Robert 2012; recalled). So bands are those
-of the likelihood itself, of all maxima that were found. Two numbers say when they are not: how far the weights are from equal, and the
-weight of maxima that one start alone has found: about as much is still unseen (Good 1953; recalled).
+Friction that sticks and balls that roll through a clearance give the likelihood several maxima. Starts spread over what was expected, and
+along what was found, climb to these by the derivatives of runs (Levenberg and Marquardt). Around each maximum stands a Student
+distribution of the shape that the derivatives give it; numbers are drawn from the mixture and weighted by what a run says of them over
+what the mixture does, and the mixture is fitted to them anew (adaptive multiple importance sampling: Cornuet, Marin, Mira, Robert 2012;
+recalled). So bands are those of the likelihood itself, of all maxima that were found. Two numbers say when they are not: how far the
+weights are from equal, and the weight of maxima that one start alone has found: about as much is still unseen (Good 1953; recalled).
 """
 
 from __future__ import annotations
@@ -212,21 +212,31 @@ def posterior(runs: Runs) -> Posterior:
 
 
 def _maxima(runs: Runs) -> tuple[list[Maximum], int]:
-    """Those that have weight, from more and more starts, until each end of a climb was found twice; the number of starts."""
+    """Those that have weight, from more and more starts, until each end of a climb was found twice; the number of starts.
+
+    Starts are spread over what was expected and, every second batch, as the ends so far are: maxima often lie in one narrow valley, where
+    several numbers give way to one another.
+    """
     from scipy.stats import norm, qmc
 
     spread = norm.ppf(qmc.Sobol(runs.mean.size, scramble=True, seed=0).random(MOST))
     spread[0] = 0.0
     maxima: list[Maximum] = []
+    ends: list[np.ndarray] = []
     for count in range(BATCH, MOST + 1, BATCH):
-        for one in runs.each(lambda one, u: one.climb(u), spread[count - BATCH : count]):
+        starts, again = spread[count - BATCH : count], count % (2 * BATCH) == 0
+        if again and len(ends) > runs.mean.size:
+            root = np.linalg.cholesky(np.atleast_2d(np.cov(np.array(ends).T)) + SETTLED**4 * np.eye(runs.mean.size))
+            starts = np.mean(ends, axis=0) + starts @ root.T
+        for one in runs.each(lambda one, u: one.climb(u), starts):
             if one.value > -np.inf:
+                ends.append(one.u)
                 same = (k for k, m in enumerate(maxima) if (d := one.u - m.u) @ np.linalg.solve(m.covariance, d) < SAME**2)
                 if (k := next(same, None)) is None:
                     maxima.append(one)
                 else:
                     maxima[k] = replace(max(one, maxima[k], key=lambda m: m.value), starts=maxima[k].starts + 1)
-        if maxima and all(m.starts > 1 for m in maxima):
+        if maxima and all(m.starts > 1 for m in maxima) and (again or len(maxima) == 1):
             break
     if not maxima:
         scene = runs.model.scene

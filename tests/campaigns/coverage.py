@@ -20,7 +20,7 @@ from cosimo.orchestrator.estimation.bounds import Bounds
 from cosimo.orchestrator.estimation.posterior import MAY_NOT
 from cosimo.orchestrator.scene.measured import positive
 from cosimo.orchestrator.scene.names import declared
-from cosimo.tests.estimation.machines import BEARING, GIMBAL, TROCAR, VEHICLE, Machine
+from cosimo.tests.estimation.machines import BEARING, CATENARY, GIMBAL, TROCAR, VEHICLE, WIND_PUMP, Machine
 
 SEEDS = 100
 NUMERICAL = "the numerical error of"  # a remark begins so
@@ -31,6 +31,8 @@ MACHINES = {
     "gimbal-near": replace(GIMBAL, noise=COARSE[1], unknown={n: {"deviation": "5 %"} for n in GIMBAL.unknown}),
     "trocar": TROCAR,
     "vehicle": VEHICLE,
+    "catenary": CATENARY,
+    "wind-pump": WIND_PUMP,
 }
 
 

@@ -62,6 +62,37 @@ def test_two_maxima_have_the_weights_and_the_ends_of_quadrature(noise):
         assert found.deviation[0] == pytest.approx(np.sqrt(weights @ (u - weights @ u) ** 2), rel=0.1)
 
 
+class Valley(Runs):
+    """Two numbers of which a measurement shows the sum well and, by ripples, the difference: maxima are beads on a string."""
+
+    def __init__(self):
+        self.mean, self.deviation = np.zeros(2), np.ones(2)
+
+    def __call__(self, u):
+        s, d = 0.7 * (u[0] + u[1]), 0.7 * (u[0] - u[1])
+        v = np.array([(1.5 - s - 0.1 * d**2) / 0.03, 4.0 * np.sin(3.0 * d) + 0.5 * (d - 1.0)])
+        by = np.array([[1.0 / 0.03, 0.2 * d / 0.03], [0.0, -12.0 * np.cos(3.0 * d) - 0.5]])
+        return -0.5 * float(v @ v + u @ u), v, by @ (0.7 * np.array([[1.0, 1.0], [1.0, -1.0]]))
+
+
+def test_all_maxima_of_a_narrow_valley_are_found():
+    """Their weights, and the ends of the bands, are those of quadrature."""
+    found = posterior(Valley())
+    s, d = np.meshgrid(np.linspace(-1.0, 2.5, 1401), np.linspace(-4.0, 4.0, 1601), indexing="ij")
+    u = np.array([s + d, s - d]) / 1.4
+    v = np.array([(1.5 - s - 0.1 * d**2) / 0.03, 4.0 * np.sin(3.0 * d) + 0.5 * (d - 1.0)])
+    log = -0.5 * ((v**2).sum(axis=0) + (u**2).sum(axis=0))
+    weights = np.exp(log - log.max())
+    weights /= weights.sum()
+    for k in range(2):
+        order = np.argsort(u[k], axis=None)
+        assert [found.low[k], found.high[k]] == pytest.approx(ends(u[k].ravel()[order], weights.ravel()[order]), abs=0.1)
+    beads = np.round(d * 3.0 / np.pi)
+    shares = sorted((weights[beads == n].sum() for n in np.unique(beads)), reverse=True)
+    assert len(found.groups) >= 6  # starts of what was expected alone find five
+    assert [w for w, _ in found.groups][:3] == pytest.approx(shares[:3], abs=0.08)
+
+
 def test_maxima_that_starts_do_not_exhaust_are_said():
     runs = Curve(lambda u: np.sin(60.0 * u), lambda u: 60.0 * np.cos(60.0 * u), 0.3, 0.02)
     found = posterior(runs)
