@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 
 from ..components.core.errors import BadInput
 
+PAPERS = ("A4", "Letter")
 PLACES = ("inside", "beside", "cdn")  # of the library
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge", "microsoft-edge")
 INSTALLED = (  # where they are on systems that do not name them to a shell
@@ -29,20 +30,36 @@ PRINTED = "#print"  # behind the address of a page: all figures are drawn at onc
 
 @dataclass(frozen=True)
 class Delivery:
-    """plotly: where a report has the library of its figures.  browser: the program that prints a PDF of it; "" for none."""
+    """plotly: where a report has the library of its figures.  browser: the program that prints a PDF of it; "" for none.
+
+    paper: the sheet of its print.  si: whether readers see declared units, see `harness.preferred_units`.
+    """
 
     plotly: str = "inside"
     browser: str = ""
+    paper: str = "A4"
+    si: bool = False
 
 
-_ALONE = Delivery()
+def usual_paper() -> str:
+    """Letter where the locale is of the United States or Canada, A4 elsewhere."""
+    name = next((os.environ[key] for key in ("LC_ALL", "LC_PAPER", "LANG") if os.environ.get(key)), "")
+    return "Letter" if name.partition(".")[0].endswith(("_US", "_CA")) else "A4"
+
+
+_ALONE = Delivery(paper=usual_paper())
 DELIVERY: ContextVar[Delivery] = ContextVar("delivery", default=_ALONE)
 
 
 @contextmanager
-def delivered(plotly: str = "inside", pdf: bool = False) -> Iterator[None]:
-    """Within the context reports are delivered so; raises `BadInput` for a PDF where there is no browser to print it."""
-    token = DELIVERY.set(Delivery(plotly, browser() if pdf else ""))
+def delivered(plotly: str = "inside", pdf: bool = False, paper: str = "", si: bool = False) -> Iterator[None]:
+    """Within the context reports are delivered so; raises `BadInput` for a PDF where there is no browser to print it.
+
+    paper: one of `PAPERS`; "" for the usual one of the locale.
+    """
+    if paper not in ("", *PAPERS):
+        raise BadInput("--paper", repr(paper), "one of " + ", ".join(PAPERS))
+    token = DELIVERY.set(Delivery(plotly, browser() if pdf else "", paper or usual_paper(), si))
     try:
         yield
     finally:

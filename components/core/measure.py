@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from .errors import BadInput, nearest
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+STANDARD_GRAVITY = 9.80665  # m/s², exact (third CGPM, 1901; ISO 80000-3)
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ SYMBOLS = {
     "kN": _unit(1e3, kg=1, m=1, s=-2),
     "MN": _unit(1e6, kg=1, m=1, s=-2),
     "mN": _unit(1e-3, kg=1, m=1, s=-2),
+    "mPa": _unit(1e-3, kg=1, m=-1, s=-2),
     "kPa": _unit(1e3, kg=1, m=-1, s=-2),
     "MPa": _unit(1e6, kg=1, m=-1, s=-2),
     "GPa": _unit(1e9, kg=1, m=-1, s=-2),
@@ -97,6 +99,7 @@ OTHERWISE = {
     "m": "mm",
     "rad": "deg",
 }  # a unit in which a number of the field is as often written
+ACCELERATION = _unit(m=1, s=-2).exponents
 _FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
 
 
@@ -130,6 +133,8 @@ def conversion(
     if source == target and None in defined:
         return 1.0, 0.0
     a, b = (own or parse(text, where) for own, text in zip(defined, (source, target), strict=True))
+    if source == "g" and b.exponents == ACCELERATION and defined[0] is None:  # no mass is meant
+        a = Unit(STANDARD_GRAVITY, 0.0, ACCELERATION)
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source!r} for {target!r}", "units of the same quantity")
     return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor

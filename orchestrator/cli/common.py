@@ -34,10 +34,14 @@ OPTIONS = {
     "master.step": "--step",
     "master.algorithm": "--algorithm",
 }  # of a scene, by options of their own
+UNLIMITED = 10_000  # columns of what is no terminal: nothing is cut or folded
 # of verdicts, where the terminal has colours
 COLOURS = {
     "yes": "green",
     "NO": "bold red",
+    "within": "green",
+    "within, unconfirmed": "yellow",
+    "outside": "bold red",
     "undecided": "yellow",
     "shown": "green",
     "contradicted": "bold red",
@@ -119,16 +123,16 @@ def group(name: str, text: str) -> typer.Typer:
     return commands
 
 
-def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-    """A table on standard output; real numbers with four digits."""
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]], named: bool = True) -> None:
+    """A table on standard output; real numbers with four digits. named: the first column has names, which are best not folded."""
     from rich.console import Console
     from rich.table import Column, Table
     from rich.text import Text
 
     texts = [[f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row] for row in rows]
-    name = max((len(line) for row in texts for line in row[0].splitlines()), default=0)  # the first column has names
-    least = min(name, output_width() // 2)
-    headers = [Column(Text(visible(c)), overflow="fold", min_width=None if k else least) for k, c in enumerate(columns)]
+    name = max((len(line) for row in [columns, *texts] for line in row[0].splitlines()), default=0)
+    kept = min(name, output_width() // 2) if named else None
+    headers = [Column(Text(visible(c)), overflow="fold", width=None if k else kept) for k, c in enumerate(columns)]
     # as Text: in a string, Rich takes [red] of a foreign name for markup
     table = Table(*headers, title=Text(visible_lines(title)) if title else None, title_justify="left")
     for row in texts:
@@ -147,21 +151,22 @@ def print_cells(cells: Cells) -> None:
 def print_rows(result: CaseResult) -> None:
     """The rows of a case beside their ranges, as a table; as they stand on its page."""
     from ..harness.report.generic import range_row
+    from ..harness.validation.case import FIRM
 
-    shown = [(row, range_row(row)) for row in result.findings.rows]
-    print_table(
-        result.case.title,
-        ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
-        [
-            (r.quantity, row.reference.condition, r.unit, r.simulated, r.range, r.margin, r.standing, row.answer)
-            for row, r in shown
-        ],
-    )
+    lines: list[tuple[str, ...]] = []
+    condition = ""
+    for row in map(range_row, result.findings.rows):
+        if row.condition != condition:
+            lines.append((f"{row.condition}:", "", "", "", ""))
+            condition = row.condition
+        standing = "" if row.standing in FIRM else f", {row.standing}"
+        lines.append((row.quantity, f"{row.simulated} {row.unit}".rstrip(), row.range, row.margin, f"{row.verdict}{standing}"))
+    print_table(result.case.title, ("quantity", "simulated", "limits", "margin", "verdict"), lines, named=False)
 
 
 def output_width() -> int:
-    """Width of the terminal; without one a width that cuts no names."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else 160
+    """Width of the terminal, or COLUMNS; without both the lines of a table are as long as they are."""
+    return shutil.get_terminal_size((UNLIMITED, 24)).columns if sys.stdout.isatty() or "COLUMNS" in os.environ else UNLIMITED
 
 
 def print_written(paths: Sequence[object], before: str = "") -> None:

@@ -15,7 +15,7 @@ from typer import Argument, BadParameter, Option
 
 from ...components.core.errors import BadInput
 from ...components.core.measure import OTHERWISE, is_quantity, number_in
-from ..delivery import PLACES, delivered
+from ..delivery import PAPERS, PLACES, delivered
 from .completion import parameters, presets, scenes
 
 if TYPE_CHECKING:
@@ -129,6 +129,12 @@ Plotly = Annotated[
     ),
 ]
 Pdf = Annotated[bool, Option("--pdf", help="Also write report.pdf. Needs Chromium, Chrome or Edge.")]
+Paper = Annotated[
+    str, Option("--paper", metavar="|".join(PAPERS), help="Sheet of the printed report. Default: that of the locale.")
+]
+Si = Annotated[
+    bool, Option("--si", help="Print numbers in the units that components declare (m, rad/s) instead of mm, µm, km/h, rpm.")
+]
 
 
 def limits_of(table: str, conditions: Sequence[str] | None) -> dict[str, Any] | None:
@@ -146,21 +152,21 @@ def times_of(step: float | None, stop: float | None) -> dict[str, Any]:
 
 
 def reports(command: Callable[..., None]) -> Callable[..., None]:
-    """A command that writes a report, with the options --plotly and --pdf: how the report is delivered."""
-    more = {"plotly": (Plotly, PLACES[0]), "pdf": (Pdf, False)}
+    """A command that writes a report, with the options --plotly, --pdf, --paper and --si: how the report is delivered."""
+    more = {"plotly": (Plotly, PLACES[0]), "pdf": (Pdf, False), "paper": (Paper, ""), "si": (Si, False)}
 
     @wraps(command)
-    def delivering(*, plotly: str, pdf: bool, **given: Any) -> None:
+    def delivering(*, plotly: str, pdf: bool, paper: str, si: bool, **given: Any) -> None:
         if plotly not in PLACES:
             raise BadInput("--plotly", repr(plotly), "one of " + ", ".join(PLACES))
         if given["output"] is None:
             refuse(
-                {"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf},
+                {"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf, "--paper": paper},
                 "needs a directory for the report",
                 "Add -o DIR.",
             )
         try:
-            with delivered(plotly, pdf):
+            with delivered(plotly, pdf, paper, si):
                 command(**given)
         finally:  # of a failed check, too
             output = given["output"]

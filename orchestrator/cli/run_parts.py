@@ -8,6 +8,7 @@ from pathlib import Path
 from ...components.core.errors import BadInput, StepFailed
 from ..delivery import DELIVERY
 from ..harness import report
+from ..harness.preferred_units import preferred
 from ..harness.report.trust import percent
 from ..harness.summary import Summary, pacing_rows, to_json, to_table, verification_text
 from ..harness.validation.case import to_json as to_document
@@ -98,6 +99,13 @@ def print_limits(result: Result, numbers: Summary) -> bool:
     return case.outcome == "failed"
 
 
+def _signal(result: Result, name: str) -> tuple[str | float, ...]:
+    """Name, unit, least, largest and last number of a signal, for a reader."""
+    low, high, end = result.extremes(name)
+    unit, factor = preferred(result.measures[name], max(abs(low), abs(high)), name)
+    return name, unit, low * factor, high * factor, end * factor
+
+
 def print_result(result: Result, numbers: Summary) -> None:
     """Print the signals, the run in numbers, how far they can be trusted, and what the run took."""
     verification = result.info.verification
@@ -106,15 +114,13 @@ def print_result(result: Result, numbers: Summary) -> None:
     print_table(
         f"{result.scene.title or result.scene.name}: {result.outcome}",
         ("signal", "unit", "min", "max", "end", "error"),
-        [
-            (name, result.measures[name], *result.extremes(name), errors.get(name, unknown))
-            for name in result.columns
-            if result.rows
-        ],
+        [(*_signal(result, name), errors.get(name, unknown)) for name in result.columns if result.rows],
     )
     if numbers:
         print_table(
-            "Key results", ("name", "unit", "value ± error", "description"), [(r.name, r.unit, r.shown, r.text) for r in numbers]
+            "Key results",
+            ("name", "unit", "value ± error", "description"),
+            [(r.name, r.unit, r.shown, r.text) for r in (row.for_reader() for row in numbers)],
         )
     print(verification_text(verification) if verification.done else NO_ERRORS)
     if (timing := result.info.timing) is None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from math import ceil, floor, isfinite, log10, nan
+from math import ceil, floor, inf, isfinite, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
 from ..run.run_record import MeshRecord, Pace, ParametersRecord, RunRecord, VerificationRecord
+from .preferred_units import preferred
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,11 @@ class SummaryRow:
         """The number as it is printed, with its errors where these are known."""
         return with_errors_of(self.value, self.error, self.parameters, self.covers)
 
+    def for_reader(self, size: float = nan) -> SummaryRow:
+        """The row in the unit that a person reads. size: the largest number beside which it stands; default: its own."""
+        unit, factor = preferred(self.unit, size if isfinite(size) else abs(self.value), self.name)
+        return replace(self, value=self.value * factor, error=self.error * factor, parameters=self.parameters * factor, unit=unit)
+
     def to_json(self) -> dict[str, Any]:
         """The row of summary.json; a number that is not finite is null."""
         return {
@@ -50,17 +56,20 @@ class SummaryRow:
 def with_error(value: float, error: float) -> str:
     """ "116.0 ± 0.3": a number to the digit of its error's leading one, of which two are kept where it is a 1.
 
-    Without a known error the number has six digits; with one that is smaller than the sixth, the error is said to be below it.
+    Without a known error the number has four digits. With an error below its sixth digit it has five, and ± is rounded up to
+    one of the fifth, which covers the rounding of the number.
     """
     if not (isfinite(value) and isfinite(error)):
-        return f"{value:.6g}"
+        return f"{value:.4g}"
     if error == 0.0:
         return f"{value:.6g} ± 0"
-    sixth = 10.0 ** (floor(log10(abs(value))) - 5) if value else 0.0
-    if error < sixth:
-        return f"{value:.6g} ± <{sixth:.0g}"
+    size = floor(log10(abs(value))) if value else -inf
     digit = floor(log10(error))
-    digit -= error < 2.0 * 10.0**digit  # 0.14 rather than 0.1
+    if error < 10.0 ** (size - 5):
+        digit = size - 4
+        error = 10.0**digit
+    elif error < 2.0 * 10.0**digit:
+        digit -= 1  # 0.14 rather than 0.1
     shown = ceil(error / 10.0**digit * (1.0 - 1e-9)) * 10.0**digit  # never less than it is
     if 0 <= digit < 5 and abs(value) < 1e6:
         return f"{round(value, -digit):.0f} ± {shown:.0f}"
@@ -97,10 +106,15 @@ class SummaryTable(Summary):
         if not self:
             return "no figures: they are those of a system, which [analysis] of the scene names"
         width = max(len(row.name) for row in self)
-        return "\n".join(f"{row.name:{width}}  {row.shown} {row.unit if row.unit != '1' else ''}".rstrip() for row in self)
+        return "\n".join(f"{row.name:{width}}  {row.shown} {row.unit}".rstrip() for row in self._for_reader())
+
+    def _for_reader(self) -> list[SummaryRow]:
+        return [row.for_reader() for row in self]
 
     def _repr_html_(self) -> str:
-        cells = "".join(f"<tr><td>{escape(r.name)}<td>{r.shown}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self)
+        cells = "".join(
+            f"<tr><td>{escape(r.name)}<td>{r.shown}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self._for_reader()
+        )
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 

@@ -58,6 +58,11 @@ class System:
         return getattr(self.module("summary"), "HEADLINE", ())
 
     @property
+    def inputs(self) -> tuple[str, ...]:
+        """Patterns of the parameters that a reader of a run looks for first; none for those that its scene gives."""
+        return getattr(self.module("summary"), "INPUTS", ())
+
+    @property
     def explore(self) -> Any:
         """What it knows of pages that compute its scenes, see `explore.content.Knowledge`: its module `explore`, None without one."""
         return self.module("explore")

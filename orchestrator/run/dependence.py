@@ -22,7 +22,7 @@ from ...fmus.versions import version
 from ..scene.scene import Scene, read_toml
 
 Part = Literal["rows", "figures", "model"]
-NO_RESULT = {"title", "sweep", "explore", "interface"}  # tables that change no result of a run
+NO_RESULT = {"title", "document", "sweep", "explore", "interface"}  # tables that change no result of a run
 OF_ROWS = {"analysis", "study", "limits"}  # which only read rows; what they let a run record is resolved
 SETTINGS = {"master", "record", "connections"}  # which a front compares; links are the same however a scene writes them
 

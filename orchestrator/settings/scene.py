@@ -9,6 +9,7 @@ from pydantic import Field, PrivateAttr, SerializeAsAny, WithJsonSchema, field_s
 
 from ...components.core.errors import BadInput, nearest
 from .analysis import AnalysisKeys
+from .document import DocumentSettings
 from .explore import ExploreSettings
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Time, Truth, Whole
@@ -231,6 +232,7 @@ class SceneSettings(Model):
         default=AnalysisKeys(), description="settings of key results, sweeps and reports; the keys depend on `system`"
     )
     study: StudySettings = Field(default=StudySettings(), description="settings of cosimo accuracy, stability and effects")
+    document: DocumentSettings = Field(default=DocumentSettings(), description="title, author, number of the report")
     explore: ExploreSettings = Field(default=ExploreSettings(), description="sliders and switches of the page of cosimo explore")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())

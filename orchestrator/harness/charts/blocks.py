@@ -73,11 +73,12 @@ class Answer:
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and values in two columns; folded: hidden until asked for."""
+    """Names and values in two columns; folded: hidden until asked for on a screen.  beside: short ones, two pairs in a line."""
 
     title: str
     rows: Sequence[tuple[str, str]]
     folded: bool = False
+    beside: bool = False
     kind: str = "facts"
 
 
@@ -114,6 +115,7 @@ class RangeRow:
     standing: str
     note: str
     source: str
+    verdict: str
     condition: str = ""  # rows of one stand below a line with it; "" for none
 
 
@@ -127,4 +129,12 @@ class Ranges:
     kind: str = "ranges"
 
 
-Block = Figure | Sketch | Motion | Text | Answer | Facts | Cells | Ranges
+@dataclass(frozen=True)
+class Signatures:
+    """Lines to sign on: (role, name or "" for a line to write it on)."""
+
+    roles: Sequence[tuple[str, str]]
+    kind: str = "signatures"
+
+
+Block = Figure | Sketch | Motion | Text | Answer | Facts | Cells | Ranges | Signatures

@@ -9,13 +9,13 @@ const digits = (value, n) => { // as Python's %.ng
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 };
 function withError(value, error) {
-  if (!Number.isFinite(value) || error === undefined || Number.isNaN(error)) return digits(value, 6);
-  if (!Number.isFinite(error)) return `${digits(value, 6)} ± unknown`;
+  if (!Number.isFinite(value) || error === undefined || Number.isNaN(error)) return digits(value, 4);
+  if (!Number.isFinite(error)) return `${digits(value, 4)} ± unknown`;
   if (error === 0) return `${digits(value, 6)} ± 0`;
-  const sixth = value ? 10 ** (Math.floor(Math.log10(Math.abs(value))) - 5) : 0;
-  if (error < sixth) return `${digits(value, 6)} ± <${digits(sixth, 1)}`;
+  const size = value ? Math.floor(Math.log10(Math.abs(value))) : -Infinity;
   let digit = Math.floor(Math.log10(error));
-  if (error < 2 * 10 ** digit) digit -= 1;
+  if (error < 10 ** (size - 5)) { digit = size - 4; error = 10 ** digit; } // negligible: five digits
+  else if (error < 2 * 10 ** digit) digit -= 1;
   const shown = Math.ceil((error / 10 ** digit) * (1 - 1e-9)) * 10 ** digit;
   if (digit >= 0 && digit < 5 && Math.abs(value) < 1e6) {
     return `${(Math.round(value / 10 ** digit) * 10 ** digit).toFixed(0)} ± ${shown.toFixed(0)}`;

@@ -16,9 +16,9 @@ from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
 from ..many.failures import failure_groups
-from ..summary import Summary, SummaryRow, with_errors
+from ..summary import Summary, SummaryRow, verification_text, with_errors
 from ..validation.limits_of_run import judge
-from . import generic, many_runs, numerics, sweeps, trust
+from . import first_page, generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
@@ -44,35 +44,36 @@ _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped
 def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     """`report.html` of one run: outcome and first numbers, figures of its system, signals, how it was computed, settings."""
     scene = result.scene
-    blocks: list[Block] = []
-    if result.outcome != "done":
-        blocks.append(Text([_ended(result)], "warning"))
+    judged = judge(result, result.summary) if result.scene.limits is not None else None
+    answer = _answer(result, systems, judged[1] if judged else {})
+    first: list[Block] = [Text([_ended(result)], "warning")] if result.outcome != "done" else []
+    first += [*answer[:1], *first_page.blocks(result, systems), *(_limits(judged[0]) if judged else [])]
     warnings = result.info.warnings
     doubts = [_sentence(text, scene) for text in warnings if text not in scene.remarks]
     for texts, tone in ((doubts, "warning"), (list(scene.remarks), "note")):
-        blocks += [Text(texts, tone)] if texts else []
-    judged = judge(result, result.summary) if result.scene.limits is not None else None
-    answer = _answer(result, systems, judged[1] if judged else {})
-    blocks += [*answer[:1], *(_limits(judged[0]) if judged else []), *answer[1:], *_of_system(result, systems)]
-    computed = numerics.blocks(result)
+        first += [Text(texts, tone)] if texts else []
+    verified = result.info.verification != VerificationRecord(done=False, why="")
+    first += [Text([verification_text(result.info.verification)], "settings")] if verified else []
+    first += first_page.signatures(result)
+    figures, computed = _of_system(result, systems), numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):
         span = (float(result.time[0]), float(result.time[-1]))
-        blocks, signals, computed = (
-            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in part] for part in (blocks, signals, computed)
+        figures, signals, computed = (
+            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in part] for part in (figures, signals, computed)
         )
-    badge = judged[0].outcome if judged else result.outcome
-    sections = [Section("Run", blocks, badge=badge)] if blocks else []
-    sections += [Section("Signals", signals)] if signals else []
-    sections += (
-        [Section("Numerical errors", trust.blocks(result))]
-        if result.info.verification != VerificationRecord(done=False, why="")
-        else []
+    chapters = (
+        ("Key results", answer[1:]),
+        ("Figures", figures),
+        ("Signals", signals),
+        ("Numerical errors", trust.blocks(result)[1:] if verified else []),
+        ("How it was computed", computed),
     )
-    sections += [Section("How it was computed", computed)] if computed else []
+    sections = [Section("Run", first, badge=judged[0].outcome if judged else result.outcome)]
+    sections += [Section(title, blocks) for title, blocks in chapters if blocks]
     how = Text([generic.run_line(result)], "settings")
-    sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
-    title = scene.title or scene.name
+    sections.append(Section("Inputs and versions", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
+    title = scene.document.title or scene.title or scene.name
     lead = f"{judged[0].case.title}. {judged[0].verdict} {_verdict(result)}" if judged else _verdict(result)
     return write_page(Page(title, lead, sections, PROVENANCE if judged else ()), Path(directory) / "report.html")
 
@@ -119,7 +120,11 @@ def _answer(result: Result, systems: Systems, answers: Mapping[str, str]) -> lis
     whole = [row for row in rows if not row.part]
     first = [row for row in whole if any(fnmatch(row.name.rpartition(".")[2], pattern) for pattern in patterns)]
     numbers = [
-        (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))), answers.get(row.name, ""))
+        (
+            f"{row.for_reader().shown} {row.for_reader().unit}".rstrip(),
+            ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))),
+            answers.get(row.name, ""),
+        )
         for row in (first or (whole or rows)[:FIRST_NUMBERS])[:MOST_NUMBERS]
     ]
     unknown = Text(["These numbers have no error estimate; the section on numerical errors says why."], "note")
@@ -138,18 +143,15 @@ def _summary(result: Result, systems: Systems) -> Summary:
         return ()  # the line in place of the figures says why
 
 
-def _shown(row: SummaryRow, with_unit: bool = True) -> str:
-    """A number with its error and unit, as a page shows it."""
-    text = row.shown if np.isfinite(row.error) or np.isfinite(row.parameters) else number(row.value)
-    return f"{text} {row.unit if with_unit and row.unit != '1' else ''}".rstrip()
-
-
 def _all_figures(rows: Sequence[SummaryRow]) -> Cells:
     """All numbers of the summary: a line for each quantity, a column for each unit that has it."""
     units = list(dict.fromkeys(row.name.rpartition(".")[0] for row in rows))
-    lines: dict[tuple[str, str], dict[str, str]] = {}
+    sizes: dict[tuple[str, str], float] = {}
     for row in rows:
-        lines.setdefault((row.text, "" if row.unit == "1" else row.unit), {})[row.name.rpartition(".")[0]] = _shown(row, False)
+        sizes[row.text, row.unit] = max(sizes.get((row.text, row.unit), 0.0), abs(row.value))
+    lines: dict[tuple[str, str], dict[str, str]] = {}
+    for row in (row.for_reader(sizes[row.text, row.unit]) for row in rows):
+        lines.setdefault((row.text, row.unit), {})[row.name.rpartition(".")[0]] = row.shown
     cells = [(text, unit, *(values.get(name, "") for name in units)) for (text, unit), values in lines.items()]
     right = frozenset(range(2, 2 + len(units)))
     return Cells("All key results", ("quantity", "unit", *units), cells, right=right, folded=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.signals import axis_of
 from ..charts.style import CYCLE, axis, dense_line, layout, number
+from ..preferred_units import preferred
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -22,15 +24,15 @@ if TYPE_CHECKING:
 
 UNITS_IN_WORDS = {"in process": "components in process", "FMU": "FMUs"}
 SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
+# of a scene: in the drawing, among the parameters of the units, on the first page, of no run
+_ELSEWHERE = re.compile(r"connections|units\..*\.parameters\.|document\.|explore\.")
+_ELEMENT = re.compile(r"\[[\d,]+\]$")
 UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
 
 def range_table(title: str, rows: Sequence[Row], settings: str = "", grouped: bool = False) -> Ranges:
     """Rows of a case as a table with bars; grouped: below lines with their conditions."""
-    shown = [range_row(row) for row in rows]
-    if grouped:
-        shown = [replace(s, condition=row.reference.condition) for s, row in zip(shown, rows, strict=True)]
-    return Ranges(title, shown, settings)
+    return Ranges(title, [range_row(row) if grouped else replace(range_row(row), condition="") for row in rows], settings)
 
 
 def range_row(row: Row) -> RangeRow:
@@ -65,9 +67,20 @@ def range_row(row: Row) -> RangeRow:
         row.inside,
         row.undecided or row.missing,
         r.standing,
-        r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""),
-        r.source,
+        r.standing,
+        r.source + (f" ({r.confidence} confidence)" if r.confidence else ""),
+        _verdict(row),
+        r.condition,
     )
+
+
+def _verdict(row: Row) -> str:
+    """What the row says, in the words of its column."""
+    if row.missing:
+        return "not judged"
+    if not row.inside:
+        return "outside"
+    return "undecided" if row.undecided else "within"
 
 
 def grid_table(grid: Grid) -> Cells:
@@ -106,19 +119,21 @@ def time_series(result: Result) -> list[Figure]:
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
     thinned = False
-    for i, (unit, members) in enumerate(panels):
+    for i, (declared, members) in enumerate(panels):
+        size = max(float(np.nanmax(np.abs(signals[n]), initial=0.0)) for n in members)
+        unit, factor = preferred(declared, size, members[0])
         k = "" if i == 0 else str(i + 1)
         top = 1 - i * (tall + gap)
         axes["yaxis" + k] = axis(axis_of(unit, list(members)), grid=True, domain=[max(0.0, top - tall), top], anchor="x")
         for j, name in enumerate(members):
             trace, cut = dense_line(
-                result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k
+                result.time, factor * signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k
             )
             thinned |= cut
             data.append(trace)
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
     rest = len(names) - SHOWN_SIGNALS
-    still = ", ".join(f"{n} = {number(float(signals[n][0]))}" for n in constant[:SHOWN_SIGNALS])
+    still = ", ".join(f"{n} = {_value(n, float(signals[n][0]), result)}" for n in constant[:SHOWN_SIGNALS])
     caption = " ".join(
         filter(
             None,
@@ -131,6 +146,11 @@ def time_series(result: Result) -> list[Figure]:
     )
     margin = {"l": 66, "r": 200, "t": 20, "b": 48}
     return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin=margin, **axes)}, caption)]
+
+
+def _value(name: str, value: float, result: Result) -> str:
+    unit, factor = preferred(result.measures.get(name, ""), abs(value), name)
+    return f"{number(value * factor)} {unit}".rstrip()
 
 
 def _panels(unit: str, signals: Mapping[str, np.ndarray]) -> list[tuple[str, list[str]]]:
@@ -170,7 +190,21 @@ def run_blocks(result: Result) -> list[Facts]:
     }
     effects = [Facts("Effects", effect_rows(result.info.effects))] if result.info.effects else []
     written = result.info.to_json()
-    return effects + [Facts(title, flattened(written[key]), True) for key, title in titles.items() if key in written]
+    return effects + [
+        Facts(title, _in_words(key, flattened(written[key])), True) for key, title in titles.items() if key in written
+    ]
+
+
+def _in_words(key: str, rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Settings for a reader: what is not used is off; of the scene what stands nowhere else; arrays in a line each."""
+    if key == "scene":
+        return [(name, value) for name, value in rows if value not in ("", "None", "none") and not _ELSEWHERE.match(name)]
+    if key == "settings":
+        return [(name, {"None": "off", "none": "off", "False": "off", "True": "on"}.get(value, value)) for name, value in rows]
+    arrays: dict[str, list[str]] = {}
+    for name, value in rows:
+        arrays.setdefault(_ELEMENT.sub("[…]", name), []).append(value)
+    return [(name, ", ".join(values)) for name, values in arrays.items()]
 
 
 def units_and_connections(result: Result) -> list[Sketch | Text]:

@@ -5,12 +5,23 @@ function draw(element, dark = wantsDark.matches) {
   element.dataset.drawn = scheme;
   const json = document.getElementById(element.id + "-data").textContent;
   const spec = JSON.parse(dark ? recoloured(json) : json);
+  if (location.hash === "#print") flatter(element, spec.layout);
   const coarse = spec.data.map(({ x, y, xaxis = "x" }) => ({ x, y, xaxis })); // Plotly changes what it is given
   Plotly.newPlot(element, spec.data, spec.layout, config).then(() => {
     element.querySelectorAll(".modebar-btn").forEach((button) => { button.tabIndex = -1; }); // Tab goes on to the text
     if (spec.frames) Plotly.addFrames(element, spec.frames);
     if (samplesFile || document.getElementById("samples-inside")) element.on("plotly_relayout", () => refine(element, coarse));
   });
+}
+const PRINTED = 0.72; // height of a printed figure over that on a screen: two of the usual ones share a sheet
+function flatter(element, layout) {
+  if (layout.sliders?.length) { // no one moves it on paper
+    layout.height -= Math.max(0, layout.margin.b - 48);
+    layout.margin.b = 48;
+    layout.sliders = layout.updatemenus = [];
+  }
+  layout.height = Math.round(Math.min(Math.max(PRINTED * layout.height, 200), 620)); // of many panels, too, with room for others
+  element.style.height = `${layout.height}px`;
 }
 // Lines with fewer points than there were get them back where one zooms in, from the file beside the page.
 const samplesFile = document.getElementById("page").dataset.samples;
@@ -86,11 +97,11 @@ async function start() {
   wantsDark.addEventListener("change", drawAgain);
 }
 if (plots.length) start();
-// On paper figures are light; what belongs to the answer is unfolded, settings stay as they are.
+// On paper figures are light, and everything is unfolded.
 let folded = [];
 window.addEventListener("beforeprint", () => {
   if (typeof Plotly !== "undefined") plots.forEach((p) => draw(p, false));
-  folded = [...document.querySelectorAll("details[data-printed]:not([open])")];
+  folded = [...document.querySelectorAll("details:not([open])")];
   folded.forEach((d) => { d.open = true; });
 });
 window.addEventListener("afterprint", () => { drawAgain(); folded.forEach((d) => { d.open = false; }); });

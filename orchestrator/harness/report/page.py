@@ -99,6 +99,7 @@ def write_page(page: Page, path: Path) -> Path:
             badges=BADGES,
             limits_words=LIMITS_WORDS,
             css=asset("page.css"),
+            paper=delivery.paper,
             dark=DARK,
             script=asset("shared.js") + asset("page.js"),
             motion_script=asset("motion.js") if any(b.kind == "motion" for s in page.sections for b in s.blocks) else "",

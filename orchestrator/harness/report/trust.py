@@ -11,6 +11,7 @@ from ...run.thresholds import AIM, WARN
 from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.charts import draw_chart
+from ..preferred_units import preferred
 from ..summary import verification_text
 
 if TYPE_CHECKING:
@@ -75,10 +76,11 @@ def percent(share: float | None) -> str:
 
 def _curves(given: Excerpt, result: Result, step: float) -> Chart:
     name = given.signal
-    unit = result.measures.get(name, "")
-    lines = (Series("repetition, half the steps", given.time, given.finer), Series("this run", given.time, given.run))
-    measure = f", {unit}" if unit not in ("", "1") else ""
-    difference = Series("difference", given.time, np.subtract(given.run, given.finer))
+    run, finer = np.asarray(given.run, dtype=float), np.asarray(given.finer, dtype=float)
+    unit, factor = preferred(result.measures.get(name, ""), float(np.abs(run).max(initial=0.0)), name)
+    lines = (Series("repetition, half the steps", given.time, factor * finer), Series("this run", given.time, factor * run))
+    measure = f", {unit}" if unit else ""
+    difference = Series("difference", given.time, factor * (run - finer))
     return Chart(
         "Largest difference between the run and its repetition",
         "time, s",

@@ -34,12 +34,14 @@ class Rules:
 
     conditions: those of the table that hold; one that the table does not have is one for which there is no rule.
     measures: numbers by the rows' measures.  about: measure -> name of the figure, without its unit, that the number judges.
+    differences: measures that are such a figure less a limit; a run shows the figure beside the limit as a number.
     """
 
     label: str
     conditions: tuple[str, ...]
     measures: Mapping[str, float]
     about: Mapping[str, str] = field(default_factory=dict)
+    differences: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,21 @@ def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[
                 continue
             figure = f"{rules.label}.{rules.about.get(row.measure, row.measure)}"
             shown = replace(row, condition=f"{rules.label}, {row.condition}")
-            judged.append(Judged(shown, f"{rules.label}.{row.measure}", float(rules.measures[row.measure]), figure))
+            if row.measure in rules.differences:
+                judged.append(_beside_limit(shown, rules, figure))
+            else:
+                judged.append(Judged(shown, f"{rules.label}.{row.measure}", float(rules.measures[row.measure]), figure))
     return judged, missing
+
+
+def _beside_limit(row: TableRow, rules: Rules, figure: str) -> Judged:
+    """The figure and its limits in the place of their difference."""
+    value = float(rules.measures[rules.about[row.measure]])
+    limit = value - float(rules.measures[row.measure])
+    low, high = (None if end is None else end + limit for end in (row.low, row.high))
+    return Judged(
+        replace(row, quantity=row.quantity.replace(" less ", " against ", 1), low=low, high=high), figure, value, figure
+    )
 
 
 def _function(text: str) -> Callable[..., Any]:

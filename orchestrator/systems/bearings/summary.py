@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 LINES = {"cage": "cage (FTF)", "outer": "outer race (BPFO)", "inner": "inner race (BPFI)", "ball": "spin of a ball (BSF)"}
 HEADLINE = ("*_rms", "*_kurtosis", "ball_load_max")  # what a run is judged by
+INPUTS = ("speed", "load", "*load*", "*defect.*", "*clearance", "balls", "ball_diameter", "pitch_diameter", "damping")
 
 
 def summary(result: Result) -> Summary:

@@ -33,6 +33,20 @@ TEXTS = {
 OF_THE_WHOLE = ("arcs", "arcing", "longest_arc_ms")  # no arc burns at a strip or a wire while the other keeps contact
 OF_A_WIRE_THAT_IS_THERE = ("loss_raw", "loss_filtered", "statistical_max", "statistical_min", "height_range_mm")
 HEADLINE = ("mean", "std", "max", "min", "loss_raw", "uplift_mm")  # what a run is judged by
+INPUTS = (  # what a reader of a run looks for first
+    "speed",
+    "static_force",
+    "line_table.file",
+    "contact_wire_tension",
+    "messenger_tension",
+    "contact_wire_mass",
+    "messenger_mass",
+    "span_length",
+    "spans",
+    "head_mass",
+    "frame_mass",
+    "contact_stiffness",
+)
 
 
 def summary(result: Result) -> Summary:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 HOUR = 3600.0  # s
 HEADLINE = ("displacement_max", "speed_at_max", "force_max", "ball_load_max", "rating_life")  # what a run is judged by
+INPUTS = ("start_speed", "run_up.*", "length", "outer_diameter", "unbalance.*", "disks.mass*", "*clearance", "*.position*")
 
 
 def summary(result: Result) -> Summary:

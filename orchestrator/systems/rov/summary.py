@@ -23,6 +23,7 @@ TEXTS = {
     "limited_share": ("%", "share of the time in which a thruster is at its limit"),
 }
 HEADLINE = ("position_error_max", "attitude_error_max", "thrust_max", "limited_share", "drift_of_*")  # what a run is judged by
+INPUTS = ("set_*", "speed", "direction", "gust.*", "waves.*", "mass", "start_depth")
 
 
 def summary(result: Result) -> Summary:

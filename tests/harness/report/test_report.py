@@ -118,7 +118,7 @@ def test_spectrum_marks_span_and_dropper_passing(run):
 def test_case_page_shows_standing_margins_settings_and_studies(run, tmp_path):
     html = report.for_cases([made_up_case(run, (CHART, GRID), ("a note",))], tmp_path, SYSTEMS).read_text(encoding="utf-8")
     own = without_plotly(html)
-    assert "unconfirmed (medium confidence)" in own
+    assert "(medium confidence)" in own
     assert 'class="badge failed"' in own  # actual minimum 49.9 N lies outside 50 to 75 N
     assert "49.9" in own
     assert "−0.1" in own

@@ -17,11 +17,18 @@ if TYPE_CHECKING:
     from ....run.results import Result
 
 SLOW, FAST = 200.0, 250.0  # km/h, where other rules begin
+MEAN_LESS = frozenset(
+    {
+        "mean_less_target",
+        "mean_less_upper",
+        "mean_less_lower",
+        "mean_less_target_3kv",
+        "mean_less_target_1500v",
+        "mean_less_fast_1500v",
+    }
+)
 ABOUT = {  # what a figure of the summary is judged by
-    **dict.fromkeys(
-        ("mean_less_target", "mean_less_upper", "mean_less_lower", "mean_less_target_3kv", "mean_less_target_1500v"), "mean"
-    ),
-    "mean_less_fast_1500v": "mean",
+    **dict.fromkeys(MEAN_LESS, "mean"),
     "std_over_mean": "std",
     "loss_gaps": "arcing",
 }
@@ -62,7 +69,7 @@ def rules(result: Result) -> list[Rules]:
     """
     supply = result.scene.analysis_as(RailwayKeys).supply
     return [
-        Rules(passage.pantograph, conditions(supply, passage.speed / KMH), _measures(result, i), ABOUT)
+        Rules(passage.pantograph, conditions(supply, passage.speed / KMH), _measures(result, i), ABOUT, MEAN_LESS)
         for i, passage in enumerate(passages(result))
         if not passage.part
     ]

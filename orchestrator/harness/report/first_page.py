@@ -1,0 +1,112 @@
+"""The first page of a run's report: what was simulated, with which inputs, and who answers for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from datetime import date
+from fnmatch import fnmatch
+from typing import TYPE_CHECKING
+
+from ....components.core.errors import BadInput
+from ....fmus.versions import version
+from ...scene.names import declared
+from ..charts.blocks import Block, Cells, Facts, Signatures
+from ..charts.style import number
+from ..preferred_units import preferred, written
+
+if TYPE_CHECKING:
+    from ...run.results import Result
+    from ..system import Systems
+
+MOST_INPUTS = 12  # of the table; all of them are at the end of the report
+NUMERICAL = ("substep", "element", "method")  # ends of names: the errors are about these
+_FURTHER = re.compile(r"\[(?!1\])")
+Input = tuple[str, str, str]  # unit of the scene with what the input is, value, unit of measure
+
+
+def blocks(result: Result, systems: Systems) -> list[Block]:
+    """The document's data, the simulated objects and their key inputs."""
+    return [Facts("Document", list(_document(result)), beside=True), _objects(result), *_inputs(result, systems)]
+
+
+def signatures(result: Result) -> list[Block]:
+    """Lines to sign on, of a report that says what it is."""
+    given = result.scene.document
+    return (
+        [Signatures((("Prepared by", given.author), ("Checked by", ""), ("Released by", "")))] if given != type(given)() else []
+    )
+
+
+def _document(result: Result) -> Iterator[tuple[str, str]]:
+    given = result.scene.document
+    for label, text in (
+        ("Object", given.object),
+        ("Organisation", given.organisation),
+        ("Author", given.author),
+        ("Number", given.number),
+    ):
+        if text:
+            yield label, text
+    yield "Date", given.date or date.today().isoformat()
+    packages = result.info.versions or {"cosimo": version("cosimo")}
+    yield "Simulated with", f"cosimo {packages.get('cosimo', '')}, scene {result.scene.name}"
+
+
+def _objects(result: Result) -> Cells:
+    """Units of the scene, with the published data that they are made from and the effects that are on."""
+    rows = []
+    for name, unit in result.info.units.items():
+        settings = result.scene.units.get(name)
+        model = unit.title or unit.kind
+        preset = f"{model}, {settings.preset}" if settings is not None and settings.preset else model
+        effects = result.info.effects.get(name)
+        rows.append((name, preset, ", ".join(e.replace("_", " ") for e in effects.on) if effects is not None else ""))
+    alike: dict[tuple[str, str], list[str]] = {}
+    for name, model, effects in rows:
+        alike.setdefault((model, effects), []).append(name)
+    return Cells(
+        "What was simulated",
+        ("unit", "model", "effects that are on"),
+        [(f"{names[0]} … {names[-1]}" if len(names) > 2 else ", ".join(names), *what) for what, names in alike.items()],
+    )
+
+
+def _inputs(result: Result, systems: Systems) -> list[Facts]:
+    """The inputs that a reader of the system looks for, then others that the scene gives."""
+    system = result.scene.analysis.system
+    patterns = systems[system].inputs if system in systems else ()
+    rows: dict[Input, list[str]] = {}
+    for unit, name, value in sorted(_given(result, patterns), key=lambda one: _rank(one[1], patterns)):
+        try:
+            known = declared(result.scene, unit)
+        except BadInput:  # of a scene that is read back without its files
+            known = {}
+        variable = known.get(name) or known.get(name.partition("[")[0])
+        measure = getattr(variable, "unit", "1") or "1"
+        text = getattr(variable, "text", "") or name
+        shown, factor = preferred(measure, abs(value), name) if isinstance(value, float) else (written(measure), 1.0)
+        cell = number(value * factor) if isinstance(value, float) else str(value)
+        rows.setdefault((text, cell, shown), []).append(unit)
+    cells = [(f"{text}, {_listed(units)}", f"{value} {unit}".rstrip()) for (text, value, unit), units in rows.items()]
+    return [Facts("Key inputs", cells[:MOST_INPUTS], beside=True)] if cells else []
+
+
+def _listed(units: list[str]) -> str:
+    return ", ".join(units) if len(units) < 3 else f"{units[0]} … {units[-1]}"
+
+
+def _rank(name: str, patterns: tuple[str, ...]) -> int:
+    return next((k for k, pattern in enumerate(patterns) if fnmatch(name, pattern)), len(patterns))
+
+
+def _given(result: Result, patterns: tuple[str, ...]) -> Iterator[tuple[str, str, float | int | str]]:
+    """(unit, parameter, value) of the inputs that are named for the system, or given by the scene; no numerics, no elements
+    of arrays behind the first."""
+    for unit, record in result.info.units.items():
+        settings = result.scene.units.get(unit)
+        given = settings.parameters if settings is not None else {}
+        for name, value in (record.parameters or given).items():
+            wanted = name in given or _rank(name, patterns) < len(patterns)
+            if wanted and not name.endswith(NUMERICAL) and not isinstance(value, bool) and not _FURTHER.search(name):
+                yield unit, name, value
