@@ -78,7 +78,7 @@ def _print_names(listed: dict[str, list[dict[str, Any]]]) -> None:
             print(
                 textwrap.fill(
                     " ".join(names),
-                    output_width(),
+                    min(output_width(), 160),
                     initial_indent=f"  {system:15} ",
                     subsequent_indent=" " * 18,
                     break_on_hyphens=False,

@@ -130,7 +130,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
     from rich.text import Text
 
     texts = [[f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row] for row in rows]
-    name = max((len(line) for row in [columns, *texts] for line in row[0].splitlines()), default=0)
+    name = max((len(line) for row in [[*map(visible, columns)], *texts] for line in row[0].splitlines()), default=0)
     kept = min(name, output_width() // 2) if named else None
     headers = [Column(Text(visible(c)), overflow="fold", width=None if k else kept) for k, c in enumerate(columns)]
     # as Text: in a string, Rich takes [red] of a foreign name for markup

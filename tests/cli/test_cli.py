@@ -72,7 +72,8 @@ def test_list_of_a_system_and_of_a_word(capsys):
     assert "Did you mean 'joint-stiction'" in capsys.readouterr().err
 
 
-def test_list_without_a_word_fits_a_screen_and_has_every_name(capsys):
+def test_list_without_a_word_fits_a_screen_and_has_every_name(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "160")
     assert exit_code("list") == 0
     out = capsys.readouterr().out
     assert len(out.splitlines()) <= 50

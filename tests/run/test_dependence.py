@@ -88,6 +88,7 @@ CHANGES = {  # key of a scene -> (another value, the kinds of results that it ch
     "study.effects": (["a.other"], {"effects"}),
     "study.stability": ({"a.k": [1.0, 2.0]}, set()),
     "explore": ({"effects": []}, set()),
+    "document": ({"author": "A"}, set()),
 }
 
 
