@@ -26,6 +26,7 @@ CATALOGUE = {
     "TorqueMotor": "drives.torque_motor",
     "ServoMotor": "drives.servo_motor",
     "TwoLinkChain": "two_axis_joint.chain",
+    "PassiveWalker": "two_axis_joint.walker",
     "PlanarLink": "two_axis_joint.link",
     "CompliantJoint": "two_axis_joint.compliant_joint",
     "RovHull": "rov.hull",

@@ -12,10 +12,10 @@ from ..core.events import EventComponent
 from ..core.friction import stick_mode
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
-from ..core.variables import flag, input_, output, parameter
+from ..core.variables import count, flag, input_, output, parameter
 from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_switch, mass_matrix, motion, static_level
 
-WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP = OWN + 1, OWN + 2, OWN + 3  # statuses
+WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP, LATCH_TURNS = OWN + 1, OWN + 2, OWN + 3, OWN + 4  # statuses
 
 
 class Gravity(Effect):
@@ -90,6 +90,22 @@ class Stops(Effect):
     dissipation = parameter(0.1, "s/rad", "losses of the stops; about 3 (1 - restitution) / (2 rate of the impact)", low=0.0)
 
 
+class Latch(Effect):
+    """A rigid end of the second joint's way, by impact: the rate jumps to -restitution * rate, and the moment of momentum about the
+    first joint goes on. What arrives slower than the capture rate is caught and held from then on, as a deployed panel is.
+    """
+
+    explicit_only = True
+    excludes = ("stops",)
+
+    angle = parameter(math.pi / 2.0, "rad", "angle of the second link against the first at which the end is")
+    restitution = parameter(0.3, "1", "rate after an impact over that before", low=0.0, high=0.99)
+    capture_rate = parameter(0.05, "rad/s", "rate up to which the link is caught", low=1e-6)
+
+    latched = flag("1 from when the second link is caught")
+    impacts = count("number of impacts so far")
+
+
 TORQUES = ("first_torque", "second_torque")
 
 
@@ -109,7 +125,7 @@ class Reactions(Effect):
 class HighOrder(high_order.HighOrder):
     """Internal steps of order eight: what has kinks or events is excluded."""
 
-    excludes = ("lugre_friction", "stick_friction", "stops")
+    excludes = ("lugre_friction", "stick_friction", "stops", "latch")
 
 
 class TwoLinkChain(high_order.SmoothComponent, EventComponent):
@@ -144,6 +160,10 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
             "the second link at {x[1]} rad against the first at the start",
             "an angle between its stops, {stops.lower} and {stops.upper} rad",
         ),
+        LATCH_TURNS: Refusal(
+            "a second link that turns against the first at {x[3]} rad/s while the latch at {latch.angle} rad holds it",
+            "no rate between them at this angle",
+        ),
     }
 
     gravity = Gravity
@@ -153,6 +173,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     lugre_friction = LuGreFriction
     stick_friction = StickFriction
     stops = Stops
+    latch = Latch
     reactions = Reactions
     high_order = HighOrder
 
@@ -222,11 +243,16 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     @property
     def guards_count(self) -> int:  # type: ignore[override]
         """Of both joints and the stops, where one of them has events."""
-        return 3 if {"stick_friction", "stops"} & set(self.on) else 0
+        return 3 if {"stick_friction", "stops", "latch"} & set(self.on) else 0
 
     def states(self) -> int:
-        """(q1, q2, q1', q2'), bristles or modes of both joints, and which stop is touched."""
-        return 4 + (2 if {"lugre_friction", "stick_friction"} & set(self.on) else 0) + ("stops" in self.on)
+        """(q1, q2, q1', q2'), bristles or modes of both joints, and which stop is touched, or impacts and the latch."""
+        return (
+            4
+            + (2 if {"lugre_friction", "stick_friction"} & set(self.on) else 0)
+            + ("stops" in self.on)
+            + 2 * ("latch" in self.on)
+        )
 
     def shapes(self) -> dict[str, Any]:
         """`matrix`: of the linear equations, and workspace."""
@@ -259,6 +285,10 @@ def chain_start(t, s, p, e):
             x[-1] = 1.0
         elif x[1] == e.stops.lower:
             x[-1] = -1.0
+    if e.latch is not None:
+        x[-1] = 0.0 if x[1] == e.latch.angle else math.copysign(1.0, e.latch.angle - x[1])
+        if x[-1] == 0.0 and x[3] != 0.0:
+            return LATCH_TURNS
     if e.stick_friction is not None:
         g = s.guards
         x[4] = stick_mode(x[2], 0.0, static_level(e.stick_friction.first_level, e.stick_friction))
@@ -293,6 +323,8 @@ def chain_outputs(t, s, p, e):
     if e.stick_friction is not None:
         y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
         y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0
+    if e.latch is not None:
+        y[e.latch.y], y[e.latch.y + 1] = 1.0 if x[-1] == 0.0 else 0.0, x[-2]
     if e.reactions is not None:
         a1, a2, _, _ = motion(x, u, p, e)
         a2 += a1

@@ -1,9 +1,9 @@
 """Equations of the two-link chain, in the coordinates of its joints.
 
-State x = (q1, q2, q1', q2'[, s1, s2][, contact]): the first link's angle from the downward vertical, the second link's angle
-against the first, their rates; for each joint a bristle's deflection (LuGre) or a mode (exact standstill); last, which stop is
-touched, 1 the upper one, -1 the lower one, 0 none. Friction acts in one joint each, so these coordinates make it diagonal; the
-absolute angles are q1 and q1 + q2.
+State x = (q1, q2, q1', q2'[, s1, s2][, contact][, impacts, latch]): the first link's angle from the downward vertical, the
+second link's angle against the first, their rates; for each joint a bristle's deflection (LuGre) or a mode (exact standstill);
+last, which stop is touched, 1 the upper one, -1 the lower one, 0 none; or the number of impacts, and the side on which the latch
+is, 0 where it holds. Friction acts in one joint each, so these coordinates make it diagonal; the absolute angles are q1, q1 + q2.
 """
 
 from __future__ import annotations
@@ -100,6 +100,13 @@ def motion(x, u, p, e):
         c2 = bristle_rate(x[3], x[5], e.lugre_friction.second_level, p.substep, e.lugre_friction)
         b1 -= bristle_torque(x[2], x[4], c1, e.lugre_friction.first_level, e.lugre_friction)
         b2 -= bristle_torque(x[3], x[5], c2, e.lugre_friction.second_level, e.lugre_friction)
+    if e.latch is not None:  # noqa: SIM102 - a branch of its own, which is gone where the effect is off
+        if x[-1] == 0.0:
+            if e.stick_friction is not None:
+                if x[4] == 0.0:
+                    return 0.0, 0.0, b1, 0.0
+                b1 -= stick_friction(x[4], 0.0, e.stick_friction.first_level)
+            return b1 / m11, 0.0, c1, c2
     if e.stick_friction is not None:
         if x[4] == 0.0 and x[5] == 0.0:
             return 0.0, 0.0, b1, b2
@@ -125,11 +132,13 @@ def chain_derivatives(t, x, u, dx, s, p, e):
         dx[4], dx[5] = 0.0, 0.0
     if e.stops is not None:
         dx[-1] = 0.0
+    if e.latch is not None:
+        dx[-2], dx[-1] = 0.0, 0.0
 
 
 @kernel
 def chain_guards(t, x, u, g, s, p, e):
-    """Of each joint its rate in the direction it slides, or at rest what is missing to break loose; of the stops way or depth."""
+    """Of each joint its rate in the direction it slides, or at rest what is missing to break loose; of stops or latch way or depth."""
     g[0], g[1], g[2] = 1.0, 1.0, 1.0
     if e.stick_friction is not None:
         _, _, c1, c2 = motion(x, u, p, e)
@@ -140,11 +149,31 @@ def chain_guards(t, x, u, g, s, p, e):
             g[2] = min(e.stops.upper - x[1], x[1] - e.stops.lower)
         else:
             g[2] = x[1] - e.stops.upper if x[-1] > 0.0 else e.stops.lower - x[1]
+    if e.latch is not None:
+        if x[-1] == 0.0:
+            g[1] = 1.0  # whatever friction would do
+        else:
+            g[2] = x[-1] * (e.latch.angle - x[1])
+
+
+@kernel
+def impact(x, p, e):
+    """The second joint at its rigid end: its rate jumps, or it is caught; the first one's follows from the moment of momentum."""
+    m11, m12, _, _ = mass_matrix(x[1], p)
+    momentum = m11 * x[2] + m12 * x[3]
+    if abs(x[3]) <= e.latch.capture_rate:
+        x[-1], x[3] = 0.0, 0.0
+    else:
+        x[3] = -e.latch.restitution * x[3]
+    x[2] = (momentum - m12 * x[3]) / m11
+    x[-2] += 1.0
+    if e.stick_friction is not None:  # no friction bears an impact
+        x[4], x[5] = math.copysign(1.0, x[2]) * (x[2] != 0.0), math.copysign(1.0, x[3]) * (x[3] != 0.0)
 
 
 @kernel
 def chain_switch(which, t, x, u, s, p, e):
-    """A joint comes to rest, turns back or breaks loose, or a stop is touched or left.
+    """A joint comes to rest, turns back or breaks loose, a stop is touched or left, or an impact.
 
     Other modes stay: where the change makes one impossible, its own guard sees it.
     """
@@ -152,6 +181,8 @@ def chain_switch(which, t, x, u, s, p, e):
         if e.stops is not None:
             nearest = 1.0 if e.stops.upper - x[1] < x[1] - e.stops.lower else -1.0
             x[-1] = nearest if x[-1] == 0.0 else 0.0
+        if e.latch is not None:
+            impact(x, p, e)
     elif e.stick_friction is not None:
         mode = x[4 + which]
         x[2 + which] = 0.0

@@ -24,6 +24,24 @@ FAST = {"start_inner_angle": 1.0, "start_inner_rate": -8.0, "start_outer_rate": 
 NARROW = {"stops.lower": -1e-3, "stops.upper": 1e-3, "stops.dissipation": 0.0, "stops.stiffness": 1e5}
 
 
+SIMPLEST = {
+    "hip_mass": 1000.0,
+    "leg_mass": 1.0,
+    "leg_centre": 1.0,
+    "gravity": 1.0,
+    "slope": 0.009,
+    "start_stance_angle": 0.200161072169750,
+    "start_swing_angle": -0.200161072169762,
+    "start_stance_rate": -0.199906060087682,
+    "start_swing_rate": -0.184100586859717,
+}
+
+
+def _walked(component: Component) -> float:
+    """Energy and what impacts have taken, J."""
+    return component["mechanical_energy"] + component["lost_energy"]
+
+
 def _integrals(component: Component) -> np.ndarray:
     """Integrals of the controller, V."""
     return component.x[3:5]
@@ -189,6 +207,30 @@ HARD_CASES = {
                 ("between its stops", {"start_second_angle": 2.0}, {"start_second_angle": 0.5}),
             )
         },
+        "a rigid end that is hit again and again": HardCase(
+            "A spring drives a panel against it: every rebound takes energy until it is caught, exactly at its place.",
+            (
+                BoundedEnergy(limit=1e-9),
+                Ends("latch.latched", 0.0, value=1.0),
+                Ends("relative_angle", 1e-12, value=0.5 * math.pi),
+            ),
+            effects=("springs", "latch"),
+            parameters={"springs.second_rest": 3.0, "springs.second_stiffness": 20.0, "latch.restitution": 0.9},
+            run=(10.0, 0.05),
+        ),
+        "hit while the first joint sticks": HardCase(
+            "No friction bears an impact: the first joint slides on, and rests again; the latch holds.",
+            (BoundedEnergy(limit=1e-9), Ends("latch.latched", 0.0, value=1.0), Ends("first_rate", 0.0, value=0.0)),
+            effects=("stick_friction", "latch"),
+            parameters={"stick_friction.second_level": 0.0, "stick_friction.first_level": 3.0, "start_second_rate": 1.5},
+            run=(10.0, 0.05),
+        ),
+        "caught, and turning": HardCase(
+            "A start that cannot be.",
+            Refused("no rate between them", accepted={"start_second_rate": 0.0}),
+            effects=("latch",),
+            parameters={"latch.angle": 0.0, "start_second_rate": 1.0},
+        ),
         "an elbow of a milligram": HardCase(
             "A string: krad/s at a substep of 1 ms.",
             Refused("substep = 0.001 s", accepted={"substep": 1e-5}),
@@ -214,6 +256,42 @@ HARD_CASES = {
             effects=("gravity",),
             parameters=HIGH,
             inputs={"first_torque": jumps(0.0, (0.0, math.nan))},
+        ),
+    },
+    "PassiveWalker": {
+        "legs of hardly any mass": HardCase(
+            "Feet of a billionth of the hip: energy and what impacts take make a whole.",
+            (Invariant(_walked, 1e-10, share=True), Reaches("steps", high=4.5)),
+            parameters=SIMPLEST | {"hip_mass": 1.0, "leg_mass": 1e-9},
+            run=(20.0, 0.1),
+        ),
+        "a leg that does not swing": HardCase(
+            "A leg without inertia about the hip.",
+            Refused("without inertia about the hip", accepted={"leg_inertia": 0.1}),
+            parameters={"leg_centre": 0.0},
+        ),
+        "several steps in one macro step": HardCase(
+            "Impacts within a macro step of 10 s are where they are.",
+            (Ends("strike_angle", 1e-9, value=SIMPLEST["start_stance_angle"]), Reaches("steps", high=4.5)),
+            parameters=SIMPLEST,
+            run=(20.0, 10.0),
+        ),
+        "on the level": HardCase(
+            "Nothing makes up for what impacts take: it does not come over the standing leg, and falls back.",
+            Refused("has fallen", "step", {"slope": 0.05}),
+            parameters={"slope": 0.0},
+            run=(10.0, 0.05),
+        ),
+        "pushed too hard": HardCase(
+            "The hip flies: the ground would have to pull.",
+            Refused("leaves the ground", "step", {"start_stance_rate": -1.1}),
+            parameters={"start_stance_rate": -4.0},
+            run=(2.0, 0.05),
+        ),
+        "lying at the start": HardCase(
+            "A hip under the ground.",
+            Refused("above the ground", accepted={"start_stance_angle": 0.3}),
+            parameters={"start_stance_angle": 2.0},
         ),
     },
     "PlanarLink": {

@@ -44,6 +44,8 @@ SHOWN = {  # scene -> beginning of the title of the figure that it is there for;
     "gyroscopic-rotor": "Campbell",
     "jaw-crusher": "Phase",
     "joint-stiction": "exact: Phase",
+    "passive-walkers": "Walking",
+    "satellite-latch": "Energy",
     "satellite-panel": "Energy",
     "two-link-manipulator": "Path",
     "rotor-bearings-heat": "Heat",

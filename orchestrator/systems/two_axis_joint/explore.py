@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...harness.analysis.records import RecordedUnit
 from ...harness.explore.figures import LiveFigure
+from . import walkers
 from .records import ENERGY, JointRecord, joints
 
 if TYPE_CHECKING:
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:
     """Of every joint that is one unit and whose angles and rates were recorded, as in the summary."""
-    return tuple(f for joint in joints(result) if joint.unit in result.scene.units for f in _figures(result, joint))
+    of_joints = [f for joint in joints(result) if joint.unit in result.scene.units for f in _figures(result, joint)]
+    return tuple(of_joints + walkers.live_figures(result))
 
 
 def _figures(result: Result, joint: JointRecord) -> list[LiveFigure]:

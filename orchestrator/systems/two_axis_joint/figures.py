@@ -14,6 +14,7 @@ from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Panel, Series
 from ...harness.charts.charts import draw_chart
 from ...run.key_results import after_transient
+from . import walkers
 from .records import Axis, JointRecord, drawn, joints, poincare
 
 if TYPE_CHECKING:
@@ -39,11 +40,12 @@ EDGE = 1.0001  # of the sphere's radius: rounding of its edge
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
-    """Figures of the joints of a run whose angles and rates were recorded; none without one. Several are compared first."""
+    """Figures of the joints and walkers of a run whose angles and rates were recorded; none without one. Several are compared first."""
     records = joints(result)
     begin = float(result.time[after_transient(result).start])
     single = len(records) == 1
     charts = [history_chart(records[0], begin)] if single else comparison_charts(records, begin)
+    charts += [c for c in (walkers.chart(result, begin),) if c is not None]
     for record in records:
         charts += _of_one(result, record, begin, "" if single else f"{record.unit}: ")
     constants = constants_chart(records)

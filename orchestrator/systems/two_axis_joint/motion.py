@@ -9,6 +9,7 @@ import numpy as np
 from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.charts.blocks import Moving
 from ...harness.charts.motion import Kinematics, Picture, Values, polyline, trace
+from . import walkers
 from .records import axis_direction
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ LINK = ("tip_x", "tip_y", "angle")
 
 
 def motions(result: Result) -> list[Kinematics]:
-    """A picture of each chain and each gimbal, and one of all single links, whose angles were recorded."""
+    """A picture of each chain, gimbal and walker, and one of all single links, whose angles were recorded."""
     pictures, links = [], list[str]()
     for u in recorded_units(result):
         if u.component is None:
@@ -43,7 +44,7 @@ def motions(result: Result) -> list[Kinematics]:
                 longest=LONGEST,
             )
         )
-    return pictures
+    return pictures + walkers.motions(result)
 
 
 def _links(values: Values, links: list[str]) -> Picture:

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...harness.summary import Summary, SummaryRow
+from . import walkers
 from .records import JointRecord, joints
 
 if TYPE_CHECKING:
     from ...run.results import Result
 
-HEADLINE = ("*_angle_max", "*_change")  # what a run is judged by
+HEADLINE = ("*_angle_max", "*_change", "*.step_length", "*.step_duration")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:
-    """Of every joint whose angles and rates were recorded."""
-    return tuple(row for joint in joints(result) for row in _rows(joint))
+    """Of every joint whose angles and rates were recorded, and of every walker."""
+    return (*(row for joint in joints(result) for row in _rows(joint)), *walkers.rows(result))
 
 
 def _rows(joint: JointRecord) -> list[SummaryRow]:

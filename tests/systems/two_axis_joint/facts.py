@@ -76,7 +76,7 @@ FACTS: dict[str, Facts] = {
             "lugre_friction.stiffness": ({"lugre_friction.damping": 0.0}, 1e-2),
             "lugre_friction.damping": ({"lugre_friction.stiffness": 0.0}, 1e-4),
         },
-        structural=frozenset({"high_order", "reactions"}),
+        structural=frozenset({"high_order", "reactions", "latch"}),
         form=frozenset(
             {
                 "smoothed_friction.width",
@@ -88,6 +88,7 @@ FACTS: dict[str, Facts] = {
             }
         ),
     ),
+    "PassiveWalker": Facts(moving=frozenset({"*"}), plain=((), {"start_swing_rate": -0.2}, 20), disturbance={"hip_torque": 1.0}),
     "PlanarLink": Facts(
         plain=(("pinned", "gravity"), {"start_angle": 0.3}, 20),
         disturbance={"tip_force_x": 1.0, "base_torque": 0.2},
