@@ -84,6 +84,7 @@ Quantities = Annotated[
     list[str] | None,
     Option(
         "--quantity",
+        metavar="NAME",
         help='Quantity of interest: "unit.output, kind" or a key result. May be repeated. Default: the '
         "quantities of the plan or of [study].",
     ),
@@ -114,6 +115,7 @@ Conditions = Annotated[
     list[str] | None,
     Option(
         "--condition",
+        metavar="NAME",
         help="Use only the rows of the table with this condition. May be repeated. Default: the conditions that "
         "apply to the run, else all rows.",
     ),

@@ -205,7 +205,7 @@ def stability(
         list[str] | None, Option(metavar="NAME[,...]", help="Algorithms to test. Default: jacobi and gauss-seidel.")
     ] = None,
     extrapolation: Annotated[
-        list[int] | None, Option(min=0, max=2, help="Degree of extrapolation to test. May be repeated.")
+        list[int] | None, Option(metavar="0|1|2", min=0, max=2, help="Degree of extrapolation to test. May be repeated.")
     ] = None,
     effects: ComponentEffects = None,
     output: Output = Path("stability"),

@@ -137,7 +137,7 @@ def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
     result = run_verified(work.beginning(scene, length), in_process=True)
     verification = result.info.verification
     if result.outcome != "done" or not verification.done:
-        return f"trial run of the first {length:.3g} s: {result.outcome}. {result.message or verification.why}", []
+        return f"trial run of the first {length:.3g} s: {result.message or f'{result.outcome}, {verification.why}'}", []
     signals = verification.signals
     worst = max(signals, key=lambda name: signals[name].rms or 0.0, default="")
     error = (

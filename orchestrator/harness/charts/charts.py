@@ -31,6 +31,7 @@ from .style import (
     label,
     layout,
     rectangle,
+    simplified,
     standing_colour,
     standing_dash,
     thin_out,
@@ -332,7 +333,7 @@ def _thinned(s: Series) -> tuple[Any, Any, np.ndarray | None, bool]:
         kept = np.sort(np.random.default_rng(0).permutation(x.size)[:DRAWN_DOTS])
         return x[kept], y[kept], kept, False
     if not (np.diff(x) >= 0.0).all():  # an orbit: extremes of y over x mean nothing
-        kept = np.arange(0, x.size, max(1, math.ceil(x.size / DRAWN_POINTS)))
+        kept = simplified(x, y, DRAWN_POINTS)
         return x[kept], y[kept], kept, False
     xs, ys, cut = thin_out(x, y)
     return xs, ys, None, cut

@@ -205,6 +205,22 @@ def _first(y: np.ndarray, extreme: np.ufunc, edges: np.ndarray, size: np.ndarray
     return hits[np.unique(np.repeat(np.arange(edges.size), size)[hits], return_index=True)[1]]
 
 
+def simplified(x: np.ndarray, y: np.ndarray, points: int) -> np.ndarray:
+    """Positions of at most about `points` samples of a path, an orbit say, that leave its shape: each sample that is left out is
+    near the line through its neighbours. The distance, first 1/4000 of the extent, grows until there are few enough."""
+    kept, near = np.arange(x.size), 1.0 / 4000.0
+    scale = [float(np.nanmax(v) - np.nanmin(v)) or 1.0 if np.isfinite(v).any() else 1.0 for v in (x, y)]
+    path = (np.asarray(x, dtype=float) / scale[0]) + 1j * (np.asarray(y, dtype=float) / scale[1])
+    while kept.size > points and near < 1.0:
+        before, here, behind = (path[kept[k : kept.size - 2 + k : 2]] for k in range(3))
+        along = behind - before
+        share = np.clip(((here - before) * along.conj()).real / np.maximum(np.abs(along) ** 2, 1e-300), 0.0, 1.0)
+        gone = np.abs(here - before - share * along) < near  # False of a gap, NaN
+        kept = np.delete(kept, 1 + 2 * np.flatnonzero(gone))
+        near *= 1.0 if np.count_nonzero(gone) > 0.02 * gone.size else 1.4
+    return kept
+
+
 def drawn(values: Any, digits: int = 5) -> list[Any]:
     """Numbers for a figure's JSON: `digits` significant ones, None for what is not finite."""
     return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in np.asarray(values, dtype=float).ravel().tolist()]

@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from ..charts.style import SAMPLES, thin_out
+from ..charts.style import SAMPLES, simplified, thin_out
 
 ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
 SAMPLES_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
 SAMPLES_INSIDE = 1_000_000  # numbers of samples in a page, compressed: at most about 5 MB
-LONG = 500  # points from which a line may be thinned, and the fewest that it then has
+LONG = 500  # points from which a line may be thinned
+FEWEST = 1700  # points of a thinned line: the extremes of about a pixel each, so that it fills the band between them
 PACKED = 50  # numbers from which an array becomes bytes
 
 Spec = dict[str, Any]  # a Plotly figure
@@ -81,8 +82,8 @@ def _fitting(lines: Sequence[int], room: int) -> int:
     if not lines or 2 * sum(lines) <= room:  # what fills a page without long lines is not made smaller
         return 0
     points = max(lines)
-    while points > LONG and 2 * sum(min(n, points) for n in lines) > room:
-        points = max(LONG, int(0.9 * points))
+    while points > FEWEST and 2 * sum(min(n, points) for n in lines) > room:
+        points = max(FEWEST, int(0.9 * points))
     return points
 
 
@@ -112,7 +113,12 @@ def _size(values: Sequence[Any]) -> int:
 def _thinned(trace: Spec, points: int) -> Spec:
     if not points or not _is_long_line(trace):
         return trace
-    x, y, _ = thin_out(_numbers(trace["x"]), _numbers(trace["y"]), points)
+    x, y = _numbers(trace["x"]), _numbers(trace["y"])
+    if (np.diff(x) < 0.0).any():  # an orbit has no extremes over x
+        kept = simplified(x, y, points)
+        x, y = x[kept], y[kept]
+    else:
+        x, y, _ = thin_out(x, y, points)
     return {**trace, "x": _listed(x), "y": _listed(y)}
 
 

@@ -36,7 +36,7 @@ DECADES = 5.0
 RPM = 30.0 / np.pi  # per rad/s
 HERTZ = 0.5 / np.pi  # per rad/s
 MICRO = 1e6
-KINDS = ((1, "forward whirl"), (-1, "backward whirl"), (0, "neither"))
+KINDS = ((1, "forward whirl"), (-1, "backward whirl"), (0, "mixed whirl"))
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
@@ -63,7 +63,7 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
     if moves:
         content.append(draw_chart(history_chart(record, begin, who)))
     if moves and turns and varies:
-        content.append(draw_chart(run_up_chart(record, begin, critical, who)))
+        content += [draw_chart(chart(record, begin, critical, who)) for chart in (run_up_chart, polar_chart)]
         content.append(draw_chart(waterfall_chart(record, begin, critical, analysis.orders, who)))
     elif moves and speed.any():
         content.append(draw_chart(spectrum_chart(record, begin, who)))
@@ -115,12 +115,9 @@ def run_up_chart(record: RotorRecord, begin: float, critical: np.ndarray, who: s
     tracks = {n: follow(t, angle, record.signals[n][kept], turns=FOLLOWED) for n in ("x", "y")}
     backward = bool(unwrapped(angle)[-1] < unwrapped(angle)[0])
     amplitude = tuple(Series(n, RPM * k.speed, MICRO * k.amplitude) for n, k in tracks.items())
-    lag = tuple(Series(n, RPM * k.speed, _within_turn(k.lag)) for n, k in tracks.items())
+    lag = tuple(Series(n, RPM * k.speed, _unwrapped_degrees(k.lag)) for n, k in tracks.items())
     lines = named(critical)
-    panels = (
-        Panel("amplitude, µm", amplitude, lines=lines),
-        Panel("phase lag, degrees", lag, lines=lines, y_range=(-100.0, 310.0)),
-    )
+    panels = (Panel("amplitude, µm", amplitude, lines=lines), Panel("phase lag, degrees", lag, lines=lines))
     text = (
         f"Synchronous (1X) component of the displacement, from windows of {FOLLOWED} turns, one per turn. Phase lag: relative to the "
         "rotor's angle (Bode plot). Beats: free vibration that has not decayed yet."
@@ -128,12 +125,32 @@ def run_up_chart(record: RotorRecord, begin: float, critical: np.ndarray, who: s
     return Chart(f"{who}Run-up: synchronous motion", "speed, rpm" + (" (backward)" if backward else ""), panels, text, height=260)
 
 
-def _within_turn(lag: np.ndarray) -> np.ndarray:
-    """A lag (k,) rad within -90 to 270 degrees; a gap, NaN, where it jumps by a turn."""
-    turned = np.degrees((lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
-    jumps = np.flatnonzero(np.abs(np.diff(turned)) > 180.0)
-    turned[jumps] = np.nan
-    return turned
+def _unwrapped_degrees(lag: np.ndarray) -> np.ndarray:
+    """A lag (k,) rad in degrees without jumps by a turn; it begins within -90 to 270 degrees."""
+    whole = np.degrees(np.unwrap(lag))
+    return whole - 360.0 * np.floor((whole[:1] + 90.0) / 360.0)
+
+
+def polar_chart(record: RotorRecord, begin: float, critical: np.ndarray, who: str = "") -> Chart:
+    """The synchronous motion as a vector that the speed moves: amplitude as its length, phase lag as its angle."""
+    kept = since(record.time, begin)
+    t, angle = record.time[kept], record.signals["angle"][kept]
+    panels = []
+    for name in ("x", "y"):
+        track = follow(t, angle, record.signals[name][kept], turns=FOLLOWED)
+        across, up = (MICRO * track.amplitude * part(track.lag) for part in (np.cos, np.sin))
+        curve = [Series("1X vector", across, up)]
+        for speed in (c for c in critical if track.speed.min() <= c <= track.speed.max()):
+            k = int(np.argmin(np.abs(track.speed - speed)))
+            curve.append(Series(f"at {RPM * speed:.0f} rpm", across[k : k + 1], up[k : k + 1], "points"))
+        panels.append(
+            Panel(f"{name}: amplitude × sin(lag), µm", tuple(curve), x_label="amplitude × cos(lag), µm", equal=True, title=name)
+        )
+    text = (
+        "Synchronous (1X) component of the displacement as a vector; the phase lag is its angle, anticlockwise. A resonance is a "
+        "loop. Points: undamped critical speeds."
+    )
+    return Chart(f"{who}Run-up: polar plot", "", tuple(panels), text, columns=2, height=340)
 
 
 def waterfall_chart(

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cosimo.orchestrator.harness.charts.style import thin_out
-from cosimo.orchestrator.harness.report.embed import LONG, ROOM, embedded
+from cosimo.orchestrator.harness.report.embed import FEWEST, ROOM, embedded
 from cosimo.orchestrator.harness.report.generic import time_series
 
 
@@ -33,12 +33,25 @@ def test_lines_that_have_room_keep_every_point():
 def test_many_dense_lines_have_room_together_and_keep_their_extremes():
     figures = [lines(12, 8000, k) for k in range(4)]
     specs, points = embedded(figures)
-    assert LONG <= points < 8000
+    assert FEWEST <= points < 8000
     assert sum(back(t[k]).size for s in specs for t in s["data"] for k in "xy") <= ROOM
     for figure, spec in zip(figures, specs, strict=True):
         for trace, packed in zip(figure["data"], spec["data"], strict=True):
             kept = back(packed["y"])
             assert (kept.min(), kept.max()) == pytest.approx((min(trace["y"]), max(trace["y"])), rel=1e-6)
+
+
+def test_an_orbit_keeps_its_shape_where_lines_lose_points():
+    """A hundred turns of an ellipse that turns slowly: every point that is drawn is one of it, every chord is near it."""
+    turn = np.linspace(0.0, 200.0 * np.pi, 60_000)
+    path = (np.cos(turn) + 0.4j * np.sin(turn)) * np.exp(0.003j * turn)
+    orbit = {"type": "scatter", "mode": "lines", "x": path.real.tolist(), "y": path.imag.tolist()}
+    (spec, _), points = embedded([{"data": [orbit], "layout": {}}, lines(20, 20_000)])
+    drawn = back(spec["data"][0]["x"]) + 1j * back(spec["data"][0]["y"])
+    assert 1000 < drawn.size < 60_000
+    assert points < 60_000
+    middle = 0.5 * (drawn[1:] + drawn[:-1])
+    assert np.abs(middle[:, None] - path[None, ::6]).min(axis=1).max() < 0.05  # of an extent of 2
 
 
 def test_a_page_that_is_full_without_long_lines_stays_as_it_is():

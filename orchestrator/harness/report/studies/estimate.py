@@ -89,7 +89,7 @@ def suspect_cells(study: Estimate) -> Cells:
 
 
 def _band(label: str, x: np.ndarray, value: np.ndarray, low: np.ndarray, high: np.ndarray, *more: Series) -> Panel:
-    ends = (Series("95 %", x, low, faint=True), Series("95 % ", x, high, faint=True))
+    ends = (Series("95 %", x, low, faint=True), Series("95 %", x, high, faint=True))
     return Panel(label, (*more, Series("estimate", x, value), *ends))
 
 
