@@ -50,14 +50,14 @@ def estimate(
     wanted, where, folder = plan_of(plan, folder)
     measured = measurements_of(wanted, scene, folder, data or {}, where)
     with ExitStack() as stack:
-        course = _Record(scene, wanted, measured, stack, where, threads=threads)
+        course = Record(scene, wanted, measured, stack, where, threads=threads)
         for text in course.observable.texts:
             say(text)
         answer = course.answer()
     return _with_numerical_errors(answer, scene, wanted, measured, where) if halved else answer
 
 
-class _Record:
+class Record:
     """A record of measurements, from the survey of the scene's cells to the answer."""
 
     def __init__(
@@ -80,16 +80,26 @@ class _Record:
             raise BadInput(f"{where}: measured", f"times up to {measured.time[-1]:g} s", f"some behind the start, {first:g} s")
         scene = scene.with_changes({"stop_time": first + step * (np.ceil((measured.time[-1] - first) / step) + 2.0)})
         self.filtered = filtered = FilteredScene(scene, plan, measured, stack, where, int((measured.time[-1] - first) / step))
-        self.measured, self.left_out = filtered.measured, int(measured.time.size - filtered.measured.time.size)
-        if not self.measured.time.size:
-            begin = f"{filtered.model.block.time:.6g} s"
-            raise BadInput(
-                f"{where}: measured", f"no sample behind {begin}", "some there: the filter begins behind the first macro steps"
-            )
-        self.noise = filtered.noise = self.measured.rough_noise()
+        self.measure(measured)
         self.observable = Observability((), np.zeros(0), ())
         if not (self.again or filtered.model.large):
             self.observable = observability(filtered.model, self.measured, self.noise)
+
+    def measure(self, measured: Measurements) -> None:
+        """Measurements up to the same time as those that there are, in the place of these."""
+        filtered, model = self.filtered, self.filtered.model
+        model.held = None
+        model.begin()
+        self.measured = filtered.measured = measured.within(model.block.time, np.inf)
+        self.left_out = int(measured.time.size - self.measured.time.size)
+        if not self.measured.time.size:
+            begin = f"{model.block.time:.6g} s"
+            raise BadInput(
+                f"{filtered.where}: measured",
+                f"no sample behind {begin}",
+                "some there: the filter begins behind the first macro steps",
+            )
+        self.noise = filtered.noise = self.measured.rough_noise()
 
     def _run(self, doubts: bool, smooth: bool) -> Filter:
         filtered = self.filtered.filter(doubts, smooth)
@@ -190,7 +200,7 @@ def _with_numerical_errors(
     known = replace(measured.within(first, np.inf), noise=answer.noise)
     try:
         with ExitStack() as stack:
-            halved = _Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, answer).answer()
+            halved = Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, answer).answer()
     except (BadInput, StepFailed) as error:
         remarks = (*answer.verdict.remarks, f"no numerical error: with half of all steps, {error}")
         return replace(answer, verdict=replace(answer.verdict, remarks=remarks))
