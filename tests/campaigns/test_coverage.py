@@ -44,3 +44,11 @@ def test_the_pull_of_noise_is_chi_square_and_one_opening_is_as_good_as_many():
     assert found.names == tuple(machine.unknown)
     assert found.off[1:] == alone.off
     assert np.shape(coverage(springs([1])).off) == (1, 1)
+
+
+@pytest.mark.full
+def test_the_truth_as_fmus_has_the_same_numbers():
+    machine = MACHINES["gimbal"]
+    ours, fmus = (cosimo.run(machine.model(stop_time=0.3), verify="no", in_process=here) for here in (True, False))
+    for name in machine.noise:
+        assert np.array_equal(ours[name], fmus[name])
