@@ -194,7 +194,7 @@ class ComponentSlave(Fmi2Slave):
     def _tune(self, name: str, value: float) -> None:
         """Of a parameter that may change during the run: it acts from the next step on, and is part of a state."""
         if name in self.component.parameters:  # not of an effect that is off
-            self.component.tune(name, value)
+            self.component.set(name, value)
         self._config = json.dumps(self._values).encode()
 
     # -- the run -------------------------------------------------------------------------------------------------------

@@ -170,10 +170,10 @@ class Block:
         """The cells of `p` and `e`."""
         return self.memory[self.parameters_at : self.saved]
 
-    def take_arrays(self, cells: np.ndarray) -> None:
-        """Copy the cells behind parameters and addresses from the memory of another block of this layout."""
-        first = self.addresses_at + len(self.entries)
-        self.memory[first:] = cells[first:]
+    def stand(self, cells: np.ndarray, first: int = TIME) -> None:
+        """From a cell on as the memory of another block of this layout, (cells,), but for the addresses of kernels."""
+        for part in (slice(first, self.addresses_at), slice(self.addresses_at + len(self.entries), self.cells)):
+            self.memory[part] = cells[part]
 
     def begin_anew(self, but: tuple[str, ...] = ()) -> None:
         """All as it was at the beginning, tables with their contents; inputs stay, and the arrays named in `but`."""

@@ -225,17 +225,13 @@ class Component:
         return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", remedy)
 
     def set(self, name: str, value: Any) -> None:
-        """Set a parameter (before `initialize`) or the present value of an input."""
+        """Set a parameter (before `initialize`, unless it is tunable) or the present value of an input."""
         if name in self._input_index:
             self.u[:, self._input_index[name]] = (float(value), 0.0, 0.0)
         elif name in self.parameters:
             self.parameters[name] = type(self).variables[name].checked(value, self.name)
         else:
             raise self._unknown(name)
-
-    def tune(self, name: str, value: Any) -> None:
-        """Set a tunable parameter during the run; it acts from the next step on."""
-        self.set(name, value)
 
     def get(self, name: str) -> Any:
         """The value of a parameter, an input or an output."""

@@ -108,10 +108,32 @@ class KernelComponent(Component):
         self._lay_out_if_possible()
 
     def set(self, name: str, value: Any) -> None:
-        """Set a parameter (before `initialize`) or the present value of an input."""
+        """Set a parameter (before `initialize`, unless it is tunable) or the present value of an input, in the block, too."""
         super().set(name, value)
-        if self.block is not None and name in self.parameters and self._structure != self._present_structure():
-            self._lay_out_if_possible()
+        if self.block is not None and name in self.parameters:
+            if self._structure != self._present_structure():
+                self._lay_out_if_possible()
+            else:
+                self._write_parameters()
+
+    def stand(self, cells: np.ndarray) -> None:
+        """Stand where another block of this layout does, whose cells are given: with its state and its parameters."""
+        assert self.block is not None
+        self.block.stand(cells)
+        variables = type(self).variables
+        for name, value in self.parameters.items():
+            if isinstance(value, float) and not variables[name].structural:
+                self.parameters[name] = float(cells[self.cell_of(name)])
+        self._write_parameters()
+        self._kept_of = None  # arrays that have moved with the parameters are not what `initialize` makes of them
+
+    def cell_of(self, name: str) -> int:
+        """The cell of a parameter that is a number."""
+        assert self.block is not None
+        whole, bracket, index = name.partition("[")
+        effect, dot, field = whole.partition(".")
+        first = self.block.cell("e", effect, field) if dot else self.block.cell("p", whole)
+        return first + (int(index.rstrip("]")) - 1 if bracket else 0)
 
     # -- memory ------------------------------------------------------------------------------------------------------
     def _present_structure(self) -> tuple[Any, ...]:
@@ -133,11 +155,18 @@ class KernelComponent(Component):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
         self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays, unread=cls.unread)
-        self._structure, self._calls, self._written = self._present_structure(), dict[str, Any](), tuple[Any, ...]()
+        self._structure, self._calls = self._present_structure(), dict[str, Any]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
+        self._kept_of: tuple[Any, ...] | None = None  # the values that the `kept` arrays in the block follow from
         block.s.u[...], block.s.y[...] = self.u, self.y
         self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
-        self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
+        self._write_parameters()
+
+    def _write_parameters(self) -> None:
+        """The parameters into their cells; `arguments` are what kernels get."""
+        assert self.block is not None
+        p, e = self._parameters()
+        self.arguments = (self.block.s, self.block.write(("p",), p), self.block.write(("e",), e))
 
     @classmethod
     def _memory_type(cls, fields: tuple[str, ...]) -> Any:
@@ -191,33 +220,14 @@ class KernelComponent(Component):
             self._lay_out()
         assert self.block is not None
         block, kept = self.block, type(self).kept
-        values = tuple(self.parameters.values())
-        if not (same := self._written == values):
-            p, e = self._parameters()
-            before = block.parameters.tobytes()
-            self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
-            same, self._written = block.parameters.tobytes() == before, values
-        if not kept:
-            block.begin_anew()
-        elif not (getattr(block.s, kept[0])[0] and same):
-            image = _IMAGES.get(self._image_key())
-            if image is not None:
-                block.take_arrays(image)
-            block.begin_anew(kept if image is not None else ())
-        else:
-            block.begin_anew(kept)
+        if kept and not (getattr(block.s, kept[0])[0] and self._kept_of == self._image_key()):
+            self._kept_of = self._image_key()
+            if (image := _IMAGES.get(self._kept_of)) is not None:
+                block.stand(image, block.addresses_at)
+            else:
+                kept = ()
+        block.begin_anew(kept)
         return block
-
-    def forget_written(self) -> None:
-        """Another has written the parameters in the block: the next start writes its own."""
-        self._written = ()
-
-    def tune(self, name: str, value: Any) -> None:
-        """Set a tunable parameter during the run: kernels read it from the block."""
-        self.set(name, value)
-        assert self.block is not None
-        p, e = self._parameters()
-        self.arguments = (self.block.s, self.block.write(("p",), p), self.block.write(("e",), e))
 
     def _image_key(self) -> tuple[Any, ...]:
         """The values that the `kept` arrays follow from."""
@@ -278,13 +288,13 @@ class KernelComponent(Component):
         assert self.block is not None
         if COMPILED:
             self.entry("initialize")  # its address stands in the block, too
-        before = self.block.memory.copy()
+        before = self.block.memory.copy(), self._kept_of
         self._prepare()
         try:
             self.call("initialize", self.t)
             return float(getattr(self.arguments[0], name).flat[index])
         finally:
-            self.block.memory[:] = before
+            self.block.memory[:], self._kept_of = before
 
     def save(self) -> bytes:
         """Everything a repeated step depends on; `restore` gives back every bit."""

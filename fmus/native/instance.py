@@ -63,17 +63,7 @@ class Places:
         self.variables = {name: (self.y + i, 1.0) for i, name in enumerate(component.outputs)}
         for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
             self.variables |= {form.format(name): (self.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
-        self.settable = {name: cell_of(component, name) for name in component.parameters if not variables[name].structural}
-
-
-def cell_of(component: KernelComponent, name: str) -> int:
-    """The cell of a parameter that is a number."""
-    block = component.block
-    assert block is not None
-    whole, bracket, index = name.partition("[")
-    effect, dot, field = whole.partition(".")
-    first = block.cell("e", effect, field) if dot else block.cell("p", whole)
-    return first + (int(index.rstrip("]")) - 1 if bracket else 0)
+        self.settable = {name: component.cell_of(name) for name in component.parameters if not variables[name].structural}
 
 
 def image_of(component: KernelComponent) -> np.ndarray:
@@ -120,7 +110,7 @@ def _refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]
             elif variable.causality is Causality.INPUT:
                 cells.append(block.cell("s", "u") + component.inputs.index(name))
             elif name in component.parameters:
-                cells.append(cell_of(component, name))
+                cells.append(component.cell_of(name))
             else:
                 raise KeyError(name)
             return "%.6g"

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...components.core.block import CELL, Block
+from ...components.core.block import CELL
+from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...fmus.derivatives.compiled import Arena
 from ...fmus.derivatives.grammar import Unsupported
@@ -216,7 +217,7 @@ class TangentBlock:
 
     def take(self, master: Master, t: float) -> None:
         """Where another opening of the scene stands, at t, s; raises `BadInput` for units that are FMUs."""
-        blocks = self._blocks(master)
+        blocks: list[tuple[int, Any]] = [(first, component.block) for first, component in self._components(master)]
         self._begin(())
         own = [*self._ends, *self._changes, *(cell for cell, _, _ in self._addresses)]
         kept = self.cells[own].copy()
@@ -228,20 +229,15 @@ class TangentBlock:
 
     def give(self, master: Master) -> None:
         """Let units and master of another opening of the scene stand as the block does; raises `BadInput` for units that are FMUs."""
-        records = master.records
-        for first, block in self._blocks(master):
-            for part in (slice(block.addresses_at), slice(block.addresses_at + len(block.entries), block.cells)):
-                block.memory[part] = self.cells[first : first + block.cells][part]
-        for node in master.nodes:
-            if node.unit.kernels is not None:
-                node.unit.kernels.forget_written()
-        records.block.memory[records.changing] = self.cells[self.layout.at + records.changing]
+        for first, component in self._components(master):
+            component.stand(self.cells[first:])
+        master.records.set_state(self.cells[self.layout.at :][master.records.changing])
 
-    def _blocks(self, master: Master) -> list[tuple[int, Block]]:
-        """Of each unit the cell where it begins here, and its block there."""
+    def _components(self, master: Master) -> list[tuple[int, KernelComponent]]:
+        """Of each unit the cell where it begins here, and the component there."""
         kernels: dict[str, Any] = {n.unit.name: n.unit.kernels for n in master.nodes}
         self._refuse([f"{name} (opened as an FMU)" for name, component in kernels.items() if component is None])
-        return [(u.first, kernels[u.name].block) for u in self.layout.units]
+        return [(u.first, kernels[u.name]) for u in self.layout.units]
 
     def save(self) -> Instant:
         """Where it stands; of tangents those that stay."""

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo import BadInput, Component, OdeComponent
+from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.high_order import STAGES
 from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import CONFIGURATIONS, EVERYTHING_ON, bits, excite, slope_inputs, span
@@ -216,3 +217,32 @@ def test_energy_and_stable_step_are_numbers(configuration):
         assert math.isfinite(component.energy())
     assert component.stable_step() > 0.0
     assert component.parameters.get("substep", 0.0) <= component.stable_step()  # the defaults are stable
+
+
+@configurations
+def test_whoever_writes_a_parameter_it_is_what_the_next_start_computes_with(configuration):
+    """Set before or after the layout, between questions, and behind a start with another value."""
+    asked, fresh = started(configuration), configuration.make()
+    changed = {
+        name: value * 1.01
+        for name, value in asked.parameters.items()
+        if isinstance(value, float) and not asked.variables[name].structural and value * 1.01 != value
+    }
+    for name, value in changed.items():
+        try:
+            asked.variables[name].checked(value, "")
+        except BadInput:  # at a limit
+            continue
+        for component in (asked, fresh):
+            component.set(name, value)
+        asked.stable_step()
+    ends = []
+    for component in (asked, fresh):
+        excite(component)
+        try:
+            component.initialize(0.0)
+            component.step(0.0, span(component))
+        except (BadInput, StepFailed) as error:  # values that do not go together, for both
+            ends.append(str(error))
+        ends.append(bits(component))
+    assert ends[: len(ends) // 2] == ends[len(ends) // 2 :]

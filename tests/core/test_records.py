@@ -19,6 +19,7 @@ class Derived:
 def start(t, s, p, e):
     """What follows from the parameters."""
     s.derived.stiffness, s.derived.least = p.mass * p.frequency**2, 1.0
+    s.limits[0] = s.derived.stiffness
     if s.derived.stiffness < s.derived.least:
         return TOO_SOFT
     return DONE
@@ -56,7 +57,7 @@ class Spring(KernelComponent):
 
     def shapes(self):
         """`derived`: see `Derived`."""
-        return super().shapes() | {"derived": Derived}
+        return super().shapes() | {"derived": Derived, "limits": 1}
 
 
 def test_fields_are_numbers_of_the_block_by_their_names():
@@ -73,6 +74,22 @@ def test_fields_are_numbers_of_the_block_by_their_names():
     assert spring.block.ranges("derived") == [(cell, cell + 3)]
     spring.initialize(0.0)
     assert spring.arguments[0].derived.steps == 0  # as all that is no parameter
+
+
+def test_a_parameter_is_what_stands_in_its_cell_whoever_has_asked_before():
+    spring, other = Spring(), Spring(parameters={"mass": 5.0})
+    spring.set("mass", 5.0)
+    assert spring.of_initialization("limits", 0) == 45.0
+    spring.initialize(0.0)
+    assert spring.arguments[0].derived.stiffness == 45.0
+    other.initialize(0.0)
+    for mass in (2.0, 5.0):  # of a block that stands where another one does, also back to what it had before
+        other.set("mass", mass)
+        other.initialize(0.0)
+        spring.stand(other.block.memory.copy())
+        assert spring["mass"] == spring.arguments[1].mass == spring.block.memory[spring.cell_of("mass")] == mass
+        spring.initialize(0.0)
+        assert spring.arguments[0].derived.stiffness == 9.0 * mass
 
 
 def test_python_writes_what_machine_code_reads():

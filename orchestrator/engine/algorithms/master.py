@@ -228,7 +228,7 @@ class Master:
 
     def begin_anew(self, cells: np.ndarray) -> None:
         """Before another run, as it was when its block was copied to `cells`."""
-        self.records.begin_anew(cells)
+        self.records.block.stand(cells)
         self.machine.watch_nothing()
         self._remember(0, [None] * len(self.loops), self._begin)
 
@@ -265,7 +265,7 @@ class Master:
 
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
-        self.records.begin_anew(saved.cells)
+        self.records.block.stand(saved.cells)
         for node, state in zip(self.nodes, saved.units, strict=True):
             node.unit.restore(state)
         self._remember(saved.steps, saved.jacobians, saved.memory)

@@ -112,10 +112,15 @@ class Records:
     @cached_property
     def changing(self) -> np.ndarray:
         """Cells that steps change: fields that `records` marks, and the table of signals, (n,)."""
-        first, marked = self.block.cell("s", "signals"), {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
-        sizes = {array: getattr(self.memory, array).size for array in marked}
-        cells = [self.place(array, k, name) for array, names in marked.items() for k in range(sizes[array]) for name in names]
-        return np.array([*cells, *range(first, first + self.memory.signals.size)], dtype=np.intp)
+        memory, states = self.memory, {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
+        states |= {"faults": FAULT_STATE, "fault_ends": FAULT_END_STATE}
+        places = [
+            self.place(array, 0, name) + np.arange(getattr(memory, array).size) * (getattr(memory, array).dtype.itemsize // CELL)
+            for array, names in states.items()
+            for name in names
+            if getattr(memory, array).size
+        ]
+        return np.concatenate([*places, self.block.cell("s", "signals") + np.arange(memory.signals.size)])
 
     def ask(self, **fields: int) -> None:
         """Write into the request."""
@@ -162,32 +167,13 @@ class Records:
 
     def state(self) -> np.ndarray:
         """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""
-        return self.block.memory.view(np.int64)[self._changing]
+        return self.block.memory.view(np.int64)[self.changing]
 
     def set_state(self, state: np.ndarray) -> None:
         """Go on from a `state` of the same scene; raises `ValueError` for one of another size."""
-        if state.dtype != np.int64 or state.shape != self._changing.shape:
-            raise ValueError(f"a master of {state.size} cells, not {self._changing.size}")
-        self.block.memory.view(np.int64)[self._changing] = state
-
-    def begin_anew(self, cells: np.ndarray) -> None:
-        """As they were when the block was copied to `cells`; kernels stay where they are."""
-        block = self.block
-        first, end = block.addresses_at, block.addresses_at + len(block.entries)
-        block.memory[:first], block.memory[end:] = cells[:first], cells[end:]
-
-    @property
-    def _changing(self) -> np.ndarray:
-        """Places of these cells, (n,)."""
-        memory, states = self.memory, {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
-        states |= {"faults": FAULT_STATE, "fault_ends": FAULT_END_STATE}
-        places = [
-            self.place(array, 0, name) + np.arange(getattr(memory, array).size) * (getattr(memory, array).dtype.itemsize // CELL)
-            for array, names in states.items()
-            for name in names
-            if getattr(memory, array).size
-        ]
-        return np.concatenate([*places, self.block.cell("s", "signals") + np.arange(memory.signals.size)])
+        if state.dtype.itemsize != CELL or state.shape != self.changing.shape:
+            raise ValueError(f"a master of {state.size} cells, not {self.changing.size}")
+        self.block.memory.view(np.int64)[self.changing] = state.view(np.int64)
 
 
 def _cells(array: Any) -> Any:

@@ -74,7 +74,7 @@ def acting(name, effects, given):
         for each in (other, tuned):
             each.initialize(0.0)
             each.restore(state)
-        tuned.tune(variable.name, value)
+        tuned.set(variable.name, value)
         expected = outputs_of(other, start, moved, h, range(TUNED, STEPS))
         assert outputs_of(tuned, start, moved, h, range(TUNED, STEPS)).tobytes() == expected.tobytes(), (effects, variable.name)
         if expected.tobytes() != untouched.tobytes():
