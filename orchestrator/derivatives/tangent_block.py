@@ -231,7 +231,8 @@ class TangentBlock:
         """Let units and master of another opening of the scene stand as the block does; raises `BadInput` for units that are FMUs."""
         for first, component in self._components(master):
             component.stand(self.cells[first:])
-        master.records.set_state(self.cells[self.layout.at :][master.records.changing])
+        records = master.records
+        records.block.memory[records.changing] = self.cells[self.layout.at + records.changing]
 
     def _components(self, master: Master) -> list[tuple[int, KernelComponent]]:
         """Of each unit the cell where it begins here, and the component there."""

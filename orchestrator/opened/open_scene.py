@@ -14,15 +14,16 @@ from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ..engine.algorithms import master_of
 from ..engine.algorithms.contact import ContactSimulator
-from ..engine.algorithms.energy import EnergyAccount, SavedAccount
+from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.machine import Steps
+from ..engine.algorithms.master import Saved
 from ..engine.algorithms.step_control import counts_alone
 from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
 from ..engine.stepping.discontinuities import missed, stops_of
 from ..engine.stepping.faults import Faults
 from ..engine.stepping.loop import Steppable
-from ..scene.names import place_of
+from ..scene.names import displaced, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import late_samples
 from ..units import Simulator, open_unit
@@ -65,17 +66,39 @@ class Course:
         """All that the next steps depend on; every unit has to save its state. inputs, to_bytes: of the `State`."""
         return self.keep(self.stepping.tick, self.stepping.master.save(), inputs, to_bytes)
 
-    def keep(self, tick: int, saved: Any, inputs: Sequence[Any] = (), to_bytes: Callable[[State], bytes] | None = None) -> State:
+    def keep(
+        self,
+        tick: int,
+        saved: Saved,
+        inputs: Sequence[Any] = (),
+        to_bytes: Callable[[State], bytes] | None = None,
+        stepping: Mapping[str, Any] | None = None,
+    ) -> State:
         """The state of what was saved at a tick; FMUs hold their parts of it until it is released, or they are closed."""
-        state = State(saved, tick, self.stepping.state(), inputs, [node.unit for node in self.master.nodes], to_bytes)
+        stepping = self.stepping.state() if stepping is None else stepping
+        state = State(self.open_scene.scene, self.master, saved, tick, stepping, inputs, to_bytes)
         states = self.open_scene.states
         states[:] = [*(one for one in states if one() is not None), weakref.ref(state)]
         return state
 
+    def pack(self, state: State) -> dict[str, Any]:
+        """A state but for its parameters as numbers, texts, arrays and bytes, for a file or another opening of the scene."""
+        saved = self.master.pack(state.saved)
+        return {"tick": state.tick, "master": saved, "stepping": state.stepping, "inputs": [*state.inputs]}
+
+    def unpack(self, packed: Mapping[str, Any]) -> State:
+        """The state that was packed, with the present parameters. Raises `ValueError` where it is of another scene."""
+        saved = self.master.unpack(packed["master"])
+        return self.keep(packed["tick"], saved, packed["inputs"], stepping=packed["stepping"])
+
     def restore(self, state: State) -> None:
-        """Back, or on, to a state."""
-        holder: Steppable = self.stepping.master if isinstance(state.master, SavedAccount) else self.master
-        holder.restore(state.master)
+        """Back, or on, to a state, with the parameters that it was saved with: what follows from these comes first."""
+        if state.scene is not self.open_scene.scene:
+            self.open_scene.begin_anew(state.scene)
+            for unit, name, value in state.inputs:
+                self.open_scene.units[unit].put(name, value)
+            self.start()
+        self.stepping.master.restore(state.saved)
         self.stepping.set_state(state.stepping)
         self.stepping.tick = state.tick
 
@@ -109,7 +132,8 @@ def remarks_of(scene: Scene, units: Mapping[str, Simulator]) -> list[str]:
 class OpenScene:
     """A scene whose units are started, with the master on them and the clock: for one run, or for many that differ in numbers.
 
-    units: by name, and the contacts, which are units of the graph.
+    units: by name, and the contacts, which are units of the graph.  scene: as it stands, with the numbers that the units have now;
+    opened: as it was opened.
     """
 
     def __init__(
@@ -127,7 +151,7 @@ class OpenScene:
         watched: outputs that the master reads in every step; None: those that a run of the scene needs, which has all that is
         recorded there, however seldom: the interval of the rows must not change what stands in them.
         """
-        self.scene = scene
+        self.scene = self.opened = scene
         self.clock = clock_for(scene, scene.coupling)
         stack.enter_context(ExitGuard([n for n, kind in scene.kinds.items() if kind.foreign and not kind.in_worker], rescue))
         self.units: dict[str, Simulator] = {}
@@ -142,7 +166,9 @@ class OpenScene:
         self.master = master_of(scene, self.units, scene.coupling, watched)
         self.states: list[weakref.ref[State]] = []  # which units hold parts of
         stack.callback(self._release)
-        self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
+        # before the first run: cells of the master, and of each unit parameters and inputs
+        starts = {name: (dict(component.parameters), component.u.copy()) for name, component in self._kernels.items()}
+        self._before = self.master.records.block.memory.copy(), starts
 
     def _release(self) -> None:
         for reference in self.states:
@@ -213,27 +239,29 @@ class OpenScene:
             return None
         return unit, name
 
-    def begin_anew(self, changes: Mapping[str, Any]) -> Scene:
-        """The scene with such changes; units and master are as they were before its first run, with these numbers.
+    def put(self, numbers: Mapping[str, Any]) -> None:
+        """Set parameters that it `takes`, by name, before a run."""
+        for change, value in numbers.items():
+            unit, name = self._number(change)  # type: ignore[misc]
+            self._kernels[unit].set(name, value)
+        self.scene = displaced(self.scene, numbers)
+
+    def begin_anew(self, scene: Scene) -> None:
+        """Let units and master be as they were before the first run, with the numbers of a scene that has those it `takes`.
 
         Raises `BadInput`.
         """
-        if self._begin is None:
-            before = [(c, dict(c.parameters), c.u.copy()) for c in self._kernels.values()]
-            self._begin = self.master.records.block.memory.copy(), before
-        cells, starts = self._begin
+        cells, starts = self._before
         self.master.begin_anew(cells)
-        for component, parameters, u in starts:
-            component.parameters.update(parameters)
+        for unit, (parameters, u) in starts.items():
+            component, given, before = self._kernels[unit], scene.units[unit].parameters, self.opened.units[unit].parameters
+            numbers = {} if given is before else {n: v for n, v in given.items() if n not in before or v != before[n]}
+            for name, value in (parameters | numbers).items():
+                if component.parameters[name] != value:
+                    component.set(name, value)
             component.u[:], component.y[:] = u, 0.0
-        units = dict(self.scene.units)
-        for change, value in changes.items():
-            unit, name = self._number(change)  # type: ignore[misc]
-            self._kernels[unit].set(name, value)
-            units[unit] = units[unit].model_copy(update={"parameters": {**units[unit].parameters, name: value}})
-        for unit, settings in units.items():
-            self._kernels[unit].refuse_unused(settings.parameters)
-        return self.scene.model_copy(update={"units": units})
+            component.refuse_unused(given)
+        self.scene = scene
 
 
 @contextmanager

@@ -1,52 +1,44 @@
-"""What a session saves: states that it holds, and the inputs that were set by hand."""
+"""Where an opened scene stands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..engine.algorithms.energy import SavedAccount
+from ..engine.algorithms import Master
 from ..engine.algorithms.master import Saved
-from ..engine.coupling import Endpoint
-from ..units import Simulator
-
-
-class Inputs(dict[Endpoint, Any]):
-    """Inputs that were set by hand, by their ends."""
-
-    def state(self) -> list[Any]:
-        """For a saved state."""
-        return [[*end, value] for end, value in self.items()]
-
-    def set_state(self, state: Sequence[Any]) -> None:
-        """Go on from a `state`."""
-        self.clear()
-        self.update({(unit, name): value for unit, name, value in state})
+from ..scene.scene import Scene
 
 
 class State:
-    """All that the next steps of a session depend on; bytes(state) holds the same, for a file or another process."""
+    """All that the next steps of a session depend on: where the scene stands is its parameters and this.
+
+    bytes(state) holds the same, for a file or another process.
+    """
 
     def __init__(
         self,
-        master: Saved | SavedAccount,
+        scene: Scene,
+        master: Master,
+        saved: Saved,
         tick: int,
         stepping: Mapping[str, Any],
         inputs: Sequence[Any],
-        units: Sequence[Simulator],
         to_bytes: Callable[[State], bytes] | None = None,
     ):
-        """units: which hold parts of it, in the order of the master's.  inputs: of `Inputs`.  to_bytes: None for one that stays here."""
-        self.master, self.tick, self.stepping, self.inputs, self.units = master, tick, stepping, inputs, units
+        """scene: with the parameters.  master: whose units hold parts of it.  inputs: set by hand, [unit, name, value] of each.
+
+        to_bytes: None for one that stays here.
+        """
+        self.scene, self.master, self.saved, self.tick = scene, master, saved, tick
+        self.stepping, self.inputs = stepping, inputs
         self.released, self._to_bytes = False, to_bytes
 
     def release(self) -> None:
         """Give back what FMUs hold for it; it cannot be restored any more."""
         if not self.released:
             self.released = True
-            saved = self.master.master if isinstance(self.master, SavedAccount) else self.master
-            for unit, state in zip(self.units, saved.units, strict=True):
-                unit.release(state)
+            self.master.release(self.saved)
 
     def __del__(self) -> None:
         self.release()

@@ -21,15 +21,17 @@ from typing import Any, Protocol
 from ...components.core.errors import BadInput
 from ...fmus.versions import version
 from ..engine.algorithms.master import Master
-from ..engine.stepping.loop import BatchObserver, Needs, Stepping
+from ..engine.stepping.loop import BatchObserver, Needs
+from ..opened.open_scene import Course
 from ..scene.scene import Scene
 from ..units import Interface
 from ..verified_file import DamagedFile, read_verified, write_verified
 from .dependence import depends_on
 from .run_record import CheckpointsRecord
 
-FORMAT = "cosimo checkpoint 6"
-CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "parts"}
+FORMAT = "cosimo checkpoint 7"
+STATE = "tick", "master", "stepping", "inputs"  # of `Course.pack`
+CONTENT = {"format", "version", "name", "digest", "t", "kinds", *STATE, "parts"}
 
 
 class Part(Protocol):
@@ -47,10 +49,9 @@ class Checkpoint:
     """A file that was read, and fits the scene."""
 
     folder: Path  # of the file
-    tick: int
     t: float
     kinds: Mapping[str, str]  # of the units, by name
-    master: Mapping[str, Any]  # its state, those of the units included
+    state: Mapping[str, Any]
     parts: Mapping[str, Any]
 
 
@@ -83,11 +84,12 @@ class Checkpoints(BatchObserver):
     It changes no step. A file appears as a whole or not at all. Where it cannot be written, the run warns once and goes on.
     """
 
-    def __init__(self, path: Path, every: float, scene: Scene, master: Master, loop: Stepping, parts: Mapping[str, Part]):
+    def __init__(self, path: Path, every: float, course: Course, parts: Mapping[str, Part]):
         self.path, self.every, self.written, self.last = path, every, 0, 0.0
         self._file = path.absolute()  # wherever a unit goes
-        self._loop, self._parts = loop, parts
-        self._header = header(scene, master)
+        self._course, self._loop, self._parts = course, course.stepping, parts
+        scene = course.open_scene.scene
+        self._header = header(scene, course.master)
         self._start, self._due, self._failed = scene.start_time, scene.start_time + every, False
 
     def resumed(self, t: float) -> None:
@@ -106,9 +108,10 @@ class Checkpoints(BatchObserver):
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
-        t = self._loop.clock.time(self._loop.tick)
+        t, state = self._loop.clock.time(self._loop.tick), self._course.save()
+        parts = {name: part.state() for name, part in self._parts.items()}
         try:
-            write_verified(self._file, self._header | present(self._loop, self._parts))
+            write_verified(self._file, self._header | self._course.pack(state) | {"t": t, "parts": parts})
         except OSError as error:
             if not self._failed:
                 warnings.warn(
@@ -116,6 +119,8 @@ class Checkpoints(BatchObserver):
                 )
             self._failed = True
             return
+        finally:
+            state.release()
         self.written, self.last = self.written + 1, t
 
     def report(self) -> CheckpointsRecord:
@@ -132,12 +137,6 @@ def header(scene: Scene, master: Master) -> dict[str, Any]:
         "digest": depends_on(scene),
         "kinds": _kinds(master),
     }
-
-
-def present(loop: Stepping, parts: Mapping[str, Part]) -> dict[str, Any]:
-    """What stands now, between two steps: with a `header`, the content of a checkpoint."""
-    states = {name: part.state() for name, part in parts.items()}
-    return {"tick": loop.tick, "t": loop.clock.time(loop.tick), "master": loop.master.state(), "parts": states}
 
 
 def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
@@ -175,13 +174,13 @@ def checkpoint_of(content: Any, scene: Scene, where: str, shown: str, folder: Pa
             f"{shown}, of another scene or other settings ({content['name']})",
             f"a checkpoint of {scene.name} as it is now",
         )
-    return Checkpoint(folder, *(content[key] for key in ("tick", "t", "kinds", "master", "parts")))
+    return Checkpoint(folder, content["t"], content["kinds"], {key: content[key] for key in STATE}, content["parts"])
 
 
-def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part], where: str = "resume") -> None:
-    """Put units, master and parts, just initialized, where they were; `BadInput` for units of another kind, or a damaged file."""
+def restore(checkpoint: Checkpoint, course: Course, parts: Mapping[str, Part], where: str = "resume") -> None:
+    """Put a scene, just initialized, and parts where they were; `BadInput` for units of another kind, or a damaged file."""
     try:
-        _restore(checkpoint, master, loop, parts, where)
+        _restore(checkpoint, course, parts, where)
     except BadInput:
         raise
     except Exception as error:  # units and parts raise what they like for data that is not theirs
@@ -190,8 +189,8 @@ def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mappi
         ) from None
 
 
-def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part], where: str) -> None:
-    kinds = _kinds(master)
+def _restore(checkpoint: Checkpoint, course: Course, parts: Mapping[str, Part], where: str) -> None:
+    kinds = _kinds(course.master)
     for name, kind in checkpoint.kinds.items():
         if kinds[name] != kind:
             raise BadInput(
@@ -200,11 +199,14 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
                 f"the same kind, here {kinds[name]!r}",
                 "Components run as FMUs or in process in both runs.",
             )
-    _check_like(loop.master.state(), checkpoint.master, "a master")
-    loop.master.set_state(checkpoint.master)
+    now = course.save()
+    _check_like(course.pack(now), checkpoint.state, "a state")
+    now.release()
+    state = course.unpack(checkpoint.state)
+    course.restore(state)
+    state.release()
     for name, part in parts.items():
         part.set_state(checkpoint.parts[name])
-    loop.tick = checkpoint.tick
 
 
 def _kinds(master: Master) -> dict[str, str]:

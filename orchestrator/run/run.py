@@ -197,7 +197,7 @@ class Run:
         if self.watch.monitor is not None:
             self.observers.append(self.watch.monitor)
         if checkpoint_every is not None and checkpoint_to is not None:
-            self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, self.master, self.stepping, self.parts())
+            self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, self.course, self.parts())
             self.observers.append(self.checkpoints)
         if self.progress:
             since = past.t if past else scene.start_time
@@ -217,8 +217,8 @@ class Run:
             raise not_written(self.files.directory, error) from None
 
     def parts(self) -> dict[str, Part]:
-        """All that has a state of its own beside the master, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.watch.signals, "stepping": self.stepping}
+        """All that has a state beside the scene, for checkpoints."""
+        parts: dict[str, Part] = {"signals": self.watch.signals}
         return parts | {f"snapshots of {name}": recorder for name, recorder in self.watch.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
@@ -382,7 +382,7 @@ class Run:
             for unit in self._own:
                 unit.check_step_repeatable(self.clock.seconds(self.stepping.stride))
         if past is not None:
-            restore(past, self.master, self.stepping, self.parts())
+            restore(past, self.course, self.parts())
         if self.checkpoints is not None:
             self.checkpoints.resumed(self._now)
 

@@ -191,10 +191,7 @@ class Windows(BatchObserver):
 
     def _stepped(self, course: Course, state: State, h: float, n: int) -> np.ndarray:
         """The signals behind each of n steps of a course from a state of the run, (n, signals)."""
-        self._course.restore(state)
-        if course is not self._course:
-            course.master.set_state(self._course.master.state())
-            course.stepping.tick = state.tick
+        course.restore(state if course is self._course else course.unpack(self._course.pack(state)))
         steps = course.stretch(h, range(n))
         if steps.failure is not None:
             raise steps.failure

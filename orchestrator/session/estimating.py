@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ...components.core.errors import BadInput
+from ..scene.names import displaced
 
 if TYPE_CHECKING:
     from ..estimation.filtered_scene import PlanLike
@@ -31,8 +32,7 @@ class Estimating:
             )
         if not self._initialized:
             self.initialize()
-        scene = self._scene.with_changes(self._changes) if self._changes else self._scene
-        self._live = Live(scene, plan, self._known_inputs, self._stack)
+        self._live = Live(self._settled, plan, self._known_inputs, self._stack)
         return self._at_estimate(self._live.present())
 
     def assimilate(self: Any, t: float, values: Mapping[str, float | str]) -> Present:
@@ -46,8 +46,8 @@ class Estimating:
         self._started("assimilate()")
         if self._live is None:
             raise BadInput(f"{self._where}: assimilate", "a session without a plan", "estimate(plan) before")
-        if t > self._scene.stop_time:
-            raise BadInput(f"{self._where}: assimilate", f"{t:.9g} s", f"a time up to stop_time = {self._scene.stop_time:g} s")
+        if t > self.scene.stop_time:
+            raise BadInput(f"{self._where}: assimilate", f"{t:.9g} s", f"a time up to stop_time = {self.scene.stop_time:g} s")
         return self._at_estimate(self._live.assimilate(t, values, self._known_inputs))
 
     def _refuse_estimated(self: Any, what: str) -> None:
@@ -69,13 +69,15 @@ class Estimating:
         assert self._live is not None
         self._live.give(self._master)
         clock, self._unseen = self._stepping.clock, False
-        self._stepping.tick = min(round((now.time - self._scene.start_time) / clock.seconds(1)), self._stepping.end)
+        self._stepping.tick = min(round((now.time - self.scene.start_time) / clock.seconds(1)), self._stepping.end)
+        numbers = {}
         for parameter in now.parameters:
             unit, name = parameter.name.split(".", 1)
-            if name in self._scene.coupling.interfaces[unit].inputs:
+            if name in self.scene.coupling.interfaces[unit].inputs:
                 self._inputs[unit, name] = parameter.value
             else:
-                self._changes[parameter.name] = parameter.value
+                numbers[parameter.name] = parameter.value
+        self._open_scene.scene = displaced(self.scene, numbers)
         if self._course.account is not None:
             self._course.account.restart()
         for observe in self._observers:

@@ -20,8 +20,8 @@ from ...components.core.variables import SEED
 from ..engine.coupling import Endpoint
 from ..judgement.verification import verified_result
 from ..opened.open_scene import Course, OpenScene
-from ..opened.state import Inputs, State
-from ..run.checkpoint import Part, checkpoint_of, header, present, restore
+from ..opened.state import State
+from ..run.checkpoint import checkpoint_of, header, restore
 from ..run.recorders import reading
 from ..run.results import Result
 from ..run.run_info import describe_run
@@ -59,12 +59,11 @@ class Session(Estimating):
 
     def __init__(self, scene: Scene, *, in_process: bool = True, native: bool = False):
         """in_process: components run in this process, else as FMUs.  native: as native FMUs. Units are opened by `initialize`."""
-        self._scene, self._in_process, self._native = scene, in_process, native
+        self._unopened, self._in_process, self._native = scene, in_process, native
         self._where = f"session of {scene.name}"
         self._stack = ExitStack()
         self._open_scene: OpenScene | None = None
-        self._changes: dict[str, Any] = {}  # numbers that an open scene begins anew with
-        self._inputs = Inputs()
+        self._inputs: dict[Endpoint, Any] = {}  # that were set by hand
         self._initialized, self._closed = False, False
         self._failure, self._ended = "", ""  # of a step; where a unit has ended the simulation
         self._unseen = False  # whether a step may be taken that nothing has to be asked before
@@ -77,7 +76,7 @@ class Session(Estimating):
     @property
     def scene(self) -> Scene:
         """The scene as it stands, with the parameters that were set."""
-        return self._scene
+        return self._unopened if self._open_scene is None else self._open_scene.scene
 
     def initialize(self) -> None:
         """Open the units where that has not been done, and find their initial states, at the scene's start_time.
@@ -87,27 +86,27 @@ class Session(Estimating):
         self._alive()
         if self._initialized:
             raise BadInput(self._where, "initialize() of a scene that runs", "a session before its start", "reset() comes first.")
-        if self._open_scene is None or not self._open_scene.takes(self._changes):
-            self._open()
-        assert self._open_scene is not None
-        if self._open_scene.takes(self._changes):  # the first start, too, so that later ones find what there was before it
-            self._scene = self._open_scene.begin_anew(self._changes)
-        self._course = Course(self._open_scene)
-        self._master, self._stepping = self._open_scene.master, self._course.stepping
+        open_scene = self._opened()
+        if open_scene.takes({}):
+            open_scene.begin_anew(open_scene.scene)
+        self._course = Course(open_scene)
+        self._master, self._stepping = open_scene.master, self._course.stepping
         for (unit, name), value in self._inputs.items():
-            self._open_scene.units[unit].put(name, value)
+            open_scene.units[unit].put(name, value)
         self._course.start()
         self._stepping.run(self._observers, 0)
         self._initialized = True
 
-    def _open(self) -> None:
-        self._close_units()
-        native = {}
-        if self._native:
-            from ..opened.native import native_fmus  # which loads a compiler
+    def _opened(self) -> OpenScene:
+        """The open scene, which is opened if need be."""
+        if self._open_scene is None:
+            native = {}
+            if self._native:
+                from ..opened.native import native_fmus  # which loads a compiler
 
-            native = native_fmus(self._scene)
-        self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native)
+                native = native_fmus(self.scene)
+            self._open_scene = OpenScene(self.scene, self._stack, self._in_process, native=native)
+        return self._open_scene
 
     def step(self, steps: int = 1) -> None:
         """So many macro steps, fewer where the scene ends. Raises `StepFailed` where a unit fails, `BadInput` behind the end."""
@@ -130,7 +129,7 @@ class Session(Estimating):
             raise BadInput(f"{self._where}: step", repr(steps), "a whole number of macro steps, 1 at least")
         if self.done:
             end, remedy = (
-                (self._ended, "") if self._ended else (f"stop_time = {self._scene.stop_time:g} s", "Take a later stop_time.")
+                (self._ended, "") if self._ended else (f"stop_time = {self.scene.stop_time:g} s", "Take a later stop_time.")
             )
             raise BadInput(f"{self._where}: step", f"a step behind {end}", "a time within the scene", remedy)
 
@@ -142,16 +141,16 @@ class Session(Estimating):
     def until(self, t: float) -> None:
         """Macro steps up to the first instant of all units that is not before t, s; none where t has been reached."""
         self._started("until()")
-        if not self.time <= t <= self._scene.stop_time:
-            stretch = f"a time from {self.time:.9g} s, which is reached, to stop_time = {self._scene.stop_time:g} s"
+        if not self.time <= t <= self.scene.stop_time:
+            stretch = f"a time from {self.time:.9g} s, which is reached, to stop_time = {self.scene.stop_time:g} s"
             raise BadInput(f"{self._where}: until", f"{t:.9g} s", stretch)
         while self.time < t and not self.done:
-            self.step(max(int((t - self.time) / self._scene.master.step) - 1, 1))
+            self.step(max(int((t - self.time) / self.scene.master.step) - 1, 1))
 
     @property
     def time(self) -> float:
         """Simulated time, s."""
-        return self._stepping.clock.time(self._stepping.tick) if self._initialized else self._scene.start_time
+        return self._stepping.clock.time(self._stepping.tick) if self._initialized else self.scene.start_time
 
     @property
     def done(self) -> bool:
@@ -179,9 +178,9 @@ class Session(Estimating):
         """Parameters of the scene that are a seed, by name; of effects that are on."""
         return [
             f"{unit}.{name}"
-            for unit, cls in self._scene.component_classes.items()
+            for unit, cls in self.scene.component_classes.items()
             for name, v in cls.variables.items()
-            if v.structural == SEED and name.rpartition(".")[0] in {*self._scene.units[unit].effects, ""}
+            if v.structural == SEED and name.rpartition(".")[0] in {*self.scene.units[unit].effects, ""}
         ]
 
     def close(self) -> None:
@@ -191,7 +190,7 @@ class Session(Estimating):
 
     def _close_units(self) -> None:
         self._stack.close()
-        self._open_scene, self._unseen, self._live = None, False, None
+        self._unopened, self._open_scene, self._unseen, self._live = self.scene, None, False, None
         self._readers.clear()
 
     def __enter__(self) -> Session:
@@ -206,8 +205,8 @@ class Session(Estimating):
 
         Outputs and driven inputs have values from `initialize` on. Raises `BadInput` with the near names.
         """
-        unit, variable = variable_of(self._scene, name, self._where)
-        interface = self._scene.coupling.interfaces[unit]
+        unit, variable = variable_of(self.scene, name, self._where)
+        interface = self.scene.coupling.interfaces[unit]
         if variable in interface.outputs or elements(interface.outputs, variable):
             self._started(f"the output {name!r}")
             if variable in interface.outputs and interface.outputs[variable].is_text:
@@ -226,8 +225,8 @@ class Session(Estimating):
             self._put(*self._free[name], value)
             return
         self._alive()
-        unit, variable = variable_of(self._scene, name, self._where)
-        interface = self._scene.coupling.interfaces[unit]
+        unit, variable = variable_of(self.scene, name, self._where)
+        interface = self.scene.coupling.interfaces[unit]
         if variable in interface.outputs:
             raise BadInput(f"{self._where}: {name}", repr(value), "a parameter or an input", "It is an output.")
         if variable in interface.inputs and (self._initialized or not interface.inputs[variable].is_text):
@@ -244,12 +243,11 @@ class Session(Estimating):
         given = value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value
         number = isinstance(given, float | int) and not isinstance(given, bool)
         if number and self._open_scene is not None and self._open_scene.takes({name: given}):
-            variables = declared(self._scene, unit)
-            self._changes[name] = variables[variable].checked(given, f"{self._where}: {unit}")
+            self._open_scene.put({name: declared(self.scene, unit)[variable].checked(given, f"{self._where}: {unit}")})
             return
-        self._scene = self._scene.with_changes({**self._changes, name: given})
-        self._changes.clear()
+        changed = self.scene.with_changes({name: given})
         self._close_units()
+        self._unopened = changed
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Present values of outputs, (n,): numbers, truth values as 0 and 1; arrays by the names of all their elements."""
@@ -262,12 +260,12 @@ class Session(Estimating):
     def _reader(self, names: tuple[str, ...]) -> Callable[[], np.ndarray]:
         ends: list[Endpoint] = []
         for name in names:
-            unit, variable = variable_of(self._scene, name, self._where)
-            outputs = self._scene.coupling.interfaces[unit].outputs
+            unit, variable = variable_of(self.scene, name, self._where)
+            outputs = self.scene.coupling.interfaces[unit].outputs
             cells = [variable] if variable in outputs else elements(outputs, variable)
             if not cells or outputs[cells[0]].is_text:
                 known = [
-                    f"{u}.{n}" for u, i in self._scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text
+                    f"{u}.{n}" for u, i in self.scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text
                 ]
                 raise BadInput(f"{self._where}: values", repr(name), "an output that is a number", nearest(name, known))
             ends += [(unit, n) for n in cells]
@@ -280,18 +278,13 @@ class Session(Estimating):
 
     def _typed(self, unit: str, variable: str) -> float | int | bool:
         (value,) = self.values([f"{unit}.{variable}"]).tolist()
-        kind = self._scene.coupling.interfaces[unit].outputs[variable].kind
+        kind = self.scene.coupling.interfaces[unit].outputs[variable].kind
         if kind == "boolean":
             return bool(value)
         return int(value) if kind in ("integer", "enumeration") else float(value)
 
     def _parameter(self, unit: str, variable: str) -> Any:
-        """As it was set, or else as the unit has it."""
-        if (name := f"{unit}.{variable}") in self._changes:
-            return self._changes[name]
-        if self._open_scene is None:
-            self._open()
-        known = self._units[unit].parameters()
+        known = self._opened().units[unit].parameters()
         if variable in known:
             return known[variable]
         if cells := elements(known, variable):
@@ -301,11 +294,11 @@ class Session(Estimating):
     def _input(self, unit: str, variable: str) -> Any:
         """The present value of an input."""
         if not self._initialized or (unit, variable) in self._inputs:
-            start = self._scene.coupling.interfaces[unit].inputs[variable].start
+            start = self.scene.coupling.interfaces[unit].inputs[variable].start
             return self._inputs.get((unit, variable), start)
         assert self._open_scene is not None
         driven = self._open_scene.inputs(unit)
-        return driven[variable] if variable in driven else self._scene.coupling.interfaces[unit].inputs[variable].start
+        return driven[variable] if variable in driven else self.scene.coupling.interfaces[unit].inputs[variable].start
 
     def _put(self, unit: str, variable: str, signal: Signal, value: Any) -> None:
         """Set an input from now on, and let what depends on it within the instant follow."""
@@ -340,7 +333,7 @@ class Session(Estimating):
     @cached_property
     def _sources(self) -> dict[Endpoint, Endpoint]:
         """What drives each input that is driven."""
-        coupling = self._scene.coupling
+        coupling = self.scene.coupling
         return {link.target: link.source for link in (*coupling.links, *coupling.texts)}
 
     @property
@@ -355,7 +348,7 @@ class Session(Estimating):
         """
         from ..derivatives.gradient import gradient
 
-        return gradient(self._scene.with_changes(self._changes) if self._changes else self._scene, of, by, **options)
+        return gradient(self._settled, of, by, **options)
 
     def linearize(self, inputs: Sequence[str] = (), outputs: Sequence[str] = (), steps: int | None = None) -> Linear:
         """The scene about this instant as a linear system in discrete time, over so many macro steps; it stays where it is.
@@ -366,7 +359,7 @@ class Session(Estimating):
         from ..derivatives.linear import linearize
 
         self._started("linearize()")
-        return linearize(self._scene, self._master, self.time, inputs, outputs, steps)
+        return linearize(self.scene, self._master, self.time, inputs, outputs, steps)
 
     def trim(self, free: Sequence[str] = (), want: Mapping[str, float | str] | None = None, **options: Any) -> SteadyState:
         """The steady state that Newton's method reaches from here; the session stays where it is.
@@ -377,15 +370,19 @@ class Session(Estimating):
         from ..derivatives.trim import trim
 
         self._alive()
-        scene = self._scene.with_changes(self._changes) if self._changes else self._scene
-        return trim(scene, free, want, at=self.place, given=self._known_inputs, **options).points[0][1]
+        return trim(self._settled, free, want, at=self.place, given=self._known_inputs, **options).points[0][1]
 
     def orbit(self, *forcing: Any, **options: Any) -> Orbits:
         """Periodic orbits from the scene's start, as of `derivatives.continuation.orbits`; the session stays where it is."""
         from ..derivatives.continuation import orbits
 
         self._alive()
-        return orbits(self._scene.with_changes(self._changes) if self._changes else self._scene, *forcing, **options)
+        return orbits(self._settled, *forcing, **options)
+
+    @property
+    def _settled(self) -> Scene:
+        """The scene as it stands, read anew, for those who open it themselves."""
+        return self.scene if self._open_scene is None or self.scene is self._open_scene.opened else self.scene.with_changes({})
 
     @property
     def place(self) -> tuple[Master, float] | None:
@@ -400,10 +397,10 @@ class Session(Estimating):
         """
         self._started("save()")
         self._refuse_estimated("save")
-        unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.saves_state]
+        unable = [n for n, i in self.scene.coupling.interfaces.items() if not i.saves_state]
         if unable:
             raise BadInput(f"{self._where}: save", ", ".join(unable), "units that can save their state")
-        return self._course.save(self._inputs.state(), self._to_bytes)
+        return self._course.save([[*end, value] for end, value in self._inputs.items()], self._to_bytes)
 
     def restore(self, state: State | bytes) -> None:
         """Back, or on, to a saved state; rows that were recorded behind it are gone.
@@ -423,25 +420,21 @@ class Session(Estimating):
             self._watch.signals.forget(self.time)
 
     def _go_to(self, state: State) -> None:
-        if state.released or state.units != [node.unit for node in self._master.nodes]:
-            raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
+        self._check_held(state, "restore")
         self._course.restore(state)
-        self._inputs.set_state(state.inputs)
+        self._hold(state.inputs)
 
-    @property
-    def _parts(self) -> dict[str, Part]:
-        """What has a state beside the master."""
-        return {"stepping": self._stepping, "inputs": self._inputs}
+    def _check_held(self, state: State, what: str) -> None:
+        if state.released or state.master is not self._master:
+            raise BadInput(f"{self._where}: {what}", "a state of units that were closed", "a state that this session has saved")
 
     def _to_bytes(self, state: State) -> bytes:
-        unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.packs_state]
+        self._check_held(state, "bytes")
+        unable = [n for n, i in self.scene.coupling.interfaces.items() if not i.packs_state]
         if unable:
             raise BadInput(f"{self._where}: bytes", ", ".join(unable), "units whose state can go to a file")
-        now = self.save()
-        self._go_to(state)
-        content = header(self._scene, self._master) | present(self._stepping, self._parts)
-        self._go_to(now)
-        return verified_bytes(content)
+        beside = {"t": self._stepping.clock.time(state.tick), "parts": {}}
+        return verified_bytes(header(state.scene, self._master) | self._course.pack(state) | beside)
 
     def _take_bytes(self, content: bytes) -> None:
         where, shown = f"{self._where}: restore", f"{len(content)} bytes"
@@ -449,7 +442,12 @@ class Session(Estimating):
             read = verified_content(content)
         except ValueError:
             raise BadInput(where, shown, "bytes of a state that a session has saved, undamaged") from None
-        restore(checkpoint_of(read, self._scene, where, shown, Path()), self._master, self._stepping, self._parts, where)
+        checkpoint = checkpoint_of(read, self.scene, where, shown, Path())
+        restore(checkpoint, self._course, {}, where)
+        self._hold(checkpoint.state["inputs"])
+
+    def _hold(self, inputs: Sequence[Any]) -> None:
+        self._inputs = {(unit, name): value for unit, name, value in inputs}
 
     # -- what was seen -----------------------------------------------------------------------------------------------
     def record(self) -> None:
@@ -467,9 +465,9 @@ class Session(Estimating):
         outcome, message = ("done", self._ended) if self.done else ("stopped", f"held at t = {self.time:.9g} s")
         if self._failure:
             outcome, message = "failed", self._failure
-        info = describe_run(self._scene, self._scene.coupling, self._units, self._master, outcome, message)
-        info = replace(info, warnings=(*self._watch.warnings(self._scene), *of_discarded(info.counters.units)))
-        return verified_result(self._watch.result(self._scene, info), "no")
+        info = describe_run(self.scene, self.scene.coupling, self._units, self._master, outcome, message)
+        info = replace(info, warnings=(*self._watch.warnings(self.scene), *of_discarded(info.counters.units)))
+        return verified_result(self._watch.result(self.scene, info), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------
     def _alive(self) -> None:
@@ -485,12 +483,12 @@ class Session(Estimating):
 
     def __repr__(self) -> str:
         state = "closed" if self._closed else f"at t = {self.time:.9g} s" if self._initialized else "before its start"
-        return f"<Session of {self._scene.name}: {', '.join(self._scene.units)}; {state}{', failed' if self._failure else ''}>"
+        return f"<Session of {self.scene.name}: {', '.join(self.scene.units)}; {state}{', failed' if self._failure else ''}>"
 
     def _repr_html_(self) -> str:
         rows = ""
         if self._initialized and not self._failure:
-            interfaces = self._scene.coupling.interfaces
+            interfaces = self.scene.coupling.interfaces
             numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
             values = self.values([".".join(end) for end in numbers[:SHOWN]])
             for (unit, name), value in zip(numbers, values, strict=False):

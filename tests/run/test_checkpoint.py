@@ -210,7 +210,7 @@ def rewritten(file, change):
 
 
 @pytest.mark.parametrize(
-    "key", ["version", "name", "digest", "kinds", "tick", "t", "master", "master.units", "master.records", "parts"]
+    "key", ["version", "name", "digest", "kinds", "tick", "t", "master", "master.units", "master.cells", "stepping", "parts"]
 )
 @pytest.mark.parametrize("wrong", [[], ["abc"]], ids=["missing", "a text"])
 def test_a_checkpoint_with_something_else_in_it_never_gives_a_traceback(key, wrong, tmp_path):
@@ -243,7 +243,7 @@ def test_only_declared_fields_are_filled(field, tmp_path):
         content["master"][field] = {"__module__": "elsewhere"}
 
     rewritten(file, change)
-    with pytest.raises(BadInput, match=r"resume: got content that does not fit the scene .*fields of a master are"):
+    with pytest.raises(BadInput, match=r"resume: got content that does not fit the scene .*fields of master are"):
         run(oscillator(), resume=file)
     assert vars(Master) == before
 

@@ -49,7 +49,7 @@ def test_a_unit_that_steps_alone_is_left_as_it_was(opened):
     steps = open_scene.units["mass"].work()
     open_scene.alone("mass", 1e-3)
     assert open_scene.units["mass"].work() != steps
-    assert course.save().master.units == before.master.units
+    assert course.save().saved.units == before.saved.units
 
 
 def test_a_state_keeps_the_counters_of_step_control_as_they_were():

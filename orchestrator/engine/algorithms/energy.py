@@ -46,13 +46,6 @@ class Sums(NamedTuple):
 STATE = "times", "samples", "jumped", "integrals", "created", "exchanged", "elapsed"  # attributes that the next entries depend on
 
 
-class SavedAccount(NamedTuple):
-    """A master and its account at an instant."""
-
-    master: Saved
-    entries: Mapping[str, Any]
-
-
 class EnergyAccount:
     """A master whose steps are audited at the bonds.
 
@@ -161,23 +154,17 @@ class EnergyAccount:
         elapsed, powers = float(self._course[step + 1, 0]), self._course[step + 1, 1:].reshape(2, -1)
         return Sums(elapsed, powers[0], powers[1])
 
-    def save(self, reuse: SavedAccount | None = None) -> SavedAccount:
+    def save(self, reuse: Saved | None = None) -> Saved:
         """As `Master.save`, with the account."""
-        return SavedAccount(self.master.save(reuse.master if reuse else None), self._entries())
+        saved = self.master.save(reuse)
+        saved.account = self._entries()
+        return saved
 
-    def restore(self, saved: SavedAccount) -> None:
-        """As `Master.restore`, with the account."""
-        self.master.restore(saved.master)
-        self._set_entries(saved.entries)
-
-    def state(self) -> dict[str, Any]:
-        """As `Master.state`, with the account."""
-        return {"master": self.master.state(), "account": self._entries()}
-
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """See `Master.set_state`; also the account."""
-        self.master.set_state(state["master"])
-        self._set_entries(state["account"])
+    def restore(self, saved: Saved) -> None:
+        """As `Master.restore`, with the account, unless the master alone was saved."""
+        self.master.restore(saved)
+        if saved.account is not None:
+            self._set_entries(saved.account)
 
     def _entries(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in STATE}

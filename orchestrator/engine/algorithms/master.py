@@ -42,13 +42,14 @@ class Unstable(Runaway):
 
 @dataclass
 class Saved:
-    """A master and its units at an instant; cells: its records and signals; memory: of the algorithm."""
+    """A master and its units at an instant; cells: its records and signals; memory: of the algorithm; account: of an `EnergyAccount`."""
 
     units: list[Any]
     cells: np.ndarray
     steps: int
     jacobians: list[np.ndarray | None]  # of the algebraic loops, (n, n) each
     memory: Any
+    account: Any = None
 
 
 @final
@@ -270,27 +271,22 @@ class Master:
             node.unit.restore(state)
         self._remember(saved.steps, saved.jacobians, saved.memory)
 
-    def state(self) -> dict[str, Any]:
-        """The same for a file, or for another master of the same scene: numbers, arrays, and of units bytes."""
-        units = []
-        for node in self.nodes:
-            saved = node.unit.save()
-            try:
-                units.append(node.unit.pack(saved))
-            finally:
-                node.unit.release(saved)
-        jacobians = [loop.newton.jacobian for loop in self.loops]
-        memory = self.algorithm.memory
-        return {"units": units, "records": self.records.state(), "steps": self.steps, "jacobians": jacobians, "memory": memory}
+    def pack(self, saved: Saved) -> dict[str, Any]:
+        """What `save` gave for a file, or for another master of the same scene: numbers, arrays, and of units bytes."""
+        units = [node.unit.pack(state) for node, state in zip(self.nodes, saved.units, strict=True)]
+        return vars(saved) | {"units": units, "cells": saved.cells.view(np.int64)[self.records.changing]}
 
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from a `state`; raises `ValueError` where the master is of another size."""
-        self.records.set_state(state["records"])
-        for node, packed in zip(self.nodes, state["units"], strict=True):
-            saved = node.unit.unpack(packed)
-            node.unit.restore(saved)
-            node.unit.release(saved)
-        self._remember(state["steps"], state["jacobians"], state["memory"])
+    def unpack(self, packed: Mapping[str, Any]) -> Saved:
+        """For `restore`, what was packed; raises `ValueError` where that was of a master of another size."""
+        saved = Saved(**packed)
+        saved.cells = self.records.with_changing(packed["cells"])
+        saved.units = [node.unit.unpack(state) for node, state in zip(self.nodes, packed["units"], strict=True)]
+        return saved
+
+    def release(self, saved: Saved) -> None:
+        """Give back what units hold for it."""
+        for node, state in zip(self.nodes, saved.units, strict=True):
+            node.unit.release(state)
 
     def _remember(self, steps: int, jacobians: Sequence[np.ndarray | None], memory: Any) -> None:
         self.steps, self.algorithm.memory = steps, memory

@@ -165,15 +165,13 @@ class Records:
         """Of each kernel that every run calls, what its machine code is made for."""
         return [self.block.wanted(name, kernel, (self.memory,)) for name, kernel in KERNELS.items()]
 
-    def state(self) -> np.ndarray:
-        """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""
-        return self.block.memory.view(np.int64)[self.changing]
-
-    def set_state(self, state: np.ndarray) -> None:
-        """Go on from a `state` of the same scene; raises `ValueError` for one of another size."""
-        if state.dtype.itemsize != CELL or state.shape != self.changing.shape:
-            raise ValueError(f"a master of {state.size} cells, not {self.changing.size}")
-        self.block.memory.view(np.int64)[self.changing] = state.view(np.int64)
+    def with_changing(self, numbers: np.ndarray) -> np.ndarray:
+        """The block with other numbers in the cells that are `changing`; raises `ValueError` for those of another scene."""
+        if numbers.dtype != np.int64 or numbers.shape != self.changing.shape:
+            raise ValueError(f"a master of {numbers.size} cells, not {self.changing.size}")
+        cells = self.block.memory.copy()
+        cells.view(np.int64)[self.changing] = numbers
+        return cells
 
 
 def _cells(array: Any) -> Any:

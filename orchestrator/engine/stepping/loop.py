@@ -87,12 +87,6 @@ class Steppable(Protocol):
     def restore(self, saved: Any) -> None:
         """Take back what `save` gave."""
 
-    def state(self) -> dict[str, Any]:
-        """What the next steps depend on, the states of the units included, as numbers, texts, bytes and arrays for a file."""
-
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from a `state` of the same scene; raises `ValueError` or `KeyError` where it does not fit."""
-
     def take_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
         """Steps from each of `times` (n,), s, of length h; see `Master.take_steps`."""
 

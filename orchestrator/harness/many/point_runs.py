@@ -17,7 +17,7 @@ from ...run.results import Result
 from ...run.run import Run, run
 from ...run.run_record import RunRecord, UnitRecord
 from ...run.watch import Watch
-from ...scene.names import parameter_of
+from ...scene.names import displaced, parameter_of
 from ...scene.shorter_steps import altered_by_request, asked_for
 from .measures import PointResult, Task, row_of_result
 
@@ -93,7 +93,8 @@ class PointRuns:
 
         `info` has the parameters of the units where a system has figures, which read them.
         """
-        scene = open_scene.begin_anew(numbers)
+        scene = displaced(open_scene.opened, numbers)
+        open_scene.begin_anew(scene)
         if self._course is None or open_scene.master.coupling.bonds:  # an account of energy is that of one run
             self._course = Course(open_scene)
             self._course.stepping.run((), 0)  # it has begun; the observers look at the start below
@@ -135,7 +136,8 @@ class PointRuns:
         if open_scene is None or not open_scene.takes(numbers) or altered_by_request(self.scene).intersection(numbers):
             return self._anew(values)
         try:
-            scene = open_scene.begin_anew(numbers)
+            scene = displaced(open_scene.opened, numbers)
+            open_scene.begin_anew(scene)
         except BadInput:
             return self._anew(values)  # which refuses it as a scene
         with ExitStack() as stack:
