@@ -83,6 +83,7 @@ class KernelComponent(Component):
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
     known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
     unread: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of each kernel the effects that it does not read
+    _kept_of: tuple[Any, ...] = ()  # the values that the `kept` arrays in the block follow from
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -125,7 +126,7 @@ class KernelComponent(Component):
             if isinstance(value, float) and not variables[name].structural:
                 self.parameters[name] = float(cells[self.cell_of(name)])
         self._write_parameters()
-        self._kept_of = None  # arrays that have moved with the parameters are not what `initialize` makes of them
+        self._kept_of = ()  # arrays that have moved with the parameters are not what `initialize` makes of them
 
     def cell_of(self, name: str) -> int:
         """The cell of a parameter that is a number."""
@@ -157,7 +158,7 @@ class KernelComponent(Component):
         self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays, unread=cls.unread)
         self._structure, self._calls = self._present_structure(), dict[str, Any]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
-        self._kept_of: tuple[Any, ...] | None = None  # the values that the `kept` arrays in the block follow from
+        self._kept_of = ()
         block.s.u[...], block.s.y[...] = self.u, self.y
         self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
         self._write_parameters()
