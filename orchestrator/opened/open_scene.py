@@ -133,7 +133,7 @@ class OpenScene:
     """A scene whose units are started, with the master on them and the clock: for one run, or for many that differ in numbers.
 
     units: by name, and the contacts, which are units of the graph.  scene: as it stands, with the numbers that the units have now;
-    opened: as it was opened.
+    first: as it was opened.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class OpenScene:
         watched: outputs that the master reads in every step; None: those that a run of the scene needs, which has all that is
         recorded there, however seldom: the interval of the rows must not change what stands in them.
         """
-        self.scene = self.opened = scene
+        self.scene = self.first = scene
         self.clock = clock_for(scene, scene.coupling)
         stack.enter_context(ExitGuard([n for n, kind in scene.kinds.items() if kind.foreign and not kind.in_worker], rescue))
         self.units: dict[str, Simulator] = {}
@@ -254,7 +254,7 @@ class OpenScene:
         cells, starts = self._before
         self.master.begin_anew(cells)
         for unit, (parameters, u) in starts.items():
-            component, given, before = self._kernels[unit], scene.units[unit].parameters, self.opened.units[unit].parameters
+            component, given, before = self._kernels[unit], scene.units[unit].parameters, self.first.units[unit].parameters
             numbers = {} if given is before else {n: v for n, v in given.items() if n not in before or v != before[n]}
             for name, value in (parameters | numbers).items():
                 if component.parameters[name] != value:

@@ -32,7 +32,7 @@ class Estimating:
             )
         if not self._initialized:
             self.initialize()
-        self._live = Live(self._settled, plan, self._known_inputs, self._stack)
+        self._live = Live(self._scene_anew, plan, self._known_inputs, self._stack)
         return self._at_estimate(self._live.present())
 
     def assimilate(self: Any, t: float, values: Mapping[str, float | str]) -> Present:

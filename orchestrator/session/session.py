@@ -86,7 +86,7 @@ class Session(Estimating):
         self._alive()
         if self._initialized:
             raise BadInput(self._where, "initialize() of a scene that runs", "a session before its start", "reset() comes first.")
-        open_scene = self._opened()
+        open_scene = self._open()
         if open_scene.takes({}):
             open_scene.begin_anew(open_scene.scene)
         self._course = Course(open_scene)
@@ -97,8 +97,8 @@ class Session(Estimating):
         self._stepping.run(self._observers, 0)
         self._initialized = True
 
-    def _opened(self) -> OpenScene:
-        """The open scene, which is opened if need be."""
+    def _open(self) -> OpenScene:
+        """The open scene; opens it, if need be."""
         if self._open_scene is None:
             native = {}
             if self._native:
@@ -284,7 +284,7 @@ class Session(Estimating):
         return int(value) if kind in ("integer", "enumeration") else float(value)
 
     def _parameter(self, unit: str, variable: str) -> Any:
-        known = self._opened().units[unit].parameters()
+        known = self._open().units[unit].parameters()
         if variable in known:
             return known[variable]
         if cells := elements(known, variable):
@@ -348,7 +348,7 @@ class Session(Estimating):
         """
         from ..derivatives.gradient import gradient
 
-        return gradient(self._settled, of, by, **options)
+        return gradient(self._scene_anew, of, by, **options)
 
     def linearize(self, inputs: Sequence[str] = (), outputs: Sequence[str] = (), steps: int | None = None) -> Linear:
         """The scene about this instant as a linear system in discrete time, over so many macro steps; it stays where it is.
@@ -370,19 +370,19 @@ class Session(Estimating):
         from ..derivatives.trim import trim
 
         self._alive()
-        return trim(self._settled, free, want, at=self.place, given=self._known_inputs, **options).points[0][1]
+        return trim(self._scene_anew, free, want, at=self.place, given=self._known_inputs, **options).points[0][1]
 
     def orbit(self, *forcing: Any, **options: Any) -> Orbits:
         """Periodic orbits from the scene's start, as of `derivatives.continuation.orbits`; the session stays where it is."""
         from ..derivatives.continuation import orbits
 
         self._alive()
-        return orbits(self._settled, *forcing, **options)
+        return orbits(self._scene_anew, *forcing, **options)
 
     @property
-    def _settled(self) -> Scene:
+    def _scene_anew(self) -> Scene:
         """The scene as it stands, read anew, for those who open it themselves."""
-        return self.scene if self._open_scene is None or self.scene is self._open_scene.opened else self.scene.with_changes({})
+        return self.scene if self._open_scene is None or self.scene is self._open_scene.first else self.scene.with_changes({})
 
     @property
     def place(self) -> tuple[Master, float] | None:

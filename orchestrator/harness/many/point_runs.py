@@ -93,7 +93,7 @@ class PointRuns:
 
         `info` has the parameters of the units where a system has figures, which read them.
         """
-        scene = displaced(open_scene.opened, numbers)
+        scene = displaced(open_scene.first, numbers)
         open_scene.begin_anew(scene)
         if self._course is None or open_scene.master.coupling.bonds:  # an account of energy is that of one run
             self._course = Course(open_scene)
@@ -136,7 +136,7 @@ class PointRuns:
         if open_scene is None or not open_scene.takes(numbers) or altered_by_request(self.scene).intersection(numbers):
             return self._anew(values)
         try:
-            scene = displaced(open_scene.opened, numbers)
+            scene = displaced(open_scene.first, numbers)
             open_scene.begin_anew(scene)
         except BadInput:
             return self._anew(values)  # which refuses it as a scene
