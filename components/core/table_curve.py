@@ -30,6 +30,32 @@ def read_curve(text: str, where: str, units: Mapping[str, str], *, others: tuple
     return table, columns
 
 
+def read_grid(
+    text: str, where: str, over: tuple[str, str], across: tuple[str, str], value: tuple[str, str]
+) -> tuple[Columns, np.ndarray, np.ndarray, np.ndarray]:
+    """The table of a text, and of its rows (n,) values of `over`, (m,) of `across`, both ascending, and the grid, (m, n).
+
+    Each of over, across and value is a name and a unit. Rows may stand in any order. Raises `BadInput` for unknown and missing
+    columns, empty cells, and rows that are no whole grid of at least two by two.
+    """
+    table = table_of(text, where)
+    names = (over[0], across[0], value[0])
+    table.only(names, f"{names[0]}, {names[1]} and {names[2]}")
+    x, y, z = (table.numbers(name, unit, asked=True) for name, unit in (over, across, value))
+    if np.isnan(x + y + z).any():
+        raise BadInput(where, "a row with an empty cell", f"{names[0]}, {names[1]} and {names[2]} in each row")
+    columns, rows = np.unique(x), np.unique(y)
+    grid = np.full((rows.size, columns.size), np.nan)
+    grid[np.searchsorted(rows, y), np.searchsorted(columns, x)] = z
+    if x.size != grid.size or np.isnan(grid).any() or min(grid.shape) < 2:
+        raise BadInput(
+            where,
+            f"{x.size} rows for {rows.size} values of {across[0]} and {columns.size} of {over[0]}",
+            "a row for each pair of them, at least two of either",
+        )
+    return table, columns, rows, grid
+
+
 def refuse_order(values: np.ndarray, table: Columns, name: str, falling: bool = False) -> None:
     """Raise `BadInput`, with the line, where a column, (n,), does not rise, or does not fall."""
     steps = -np.diff(values) if falling else np.diff(values)

@@ -42,6 +42,31 @@ class ShaftFriction(Effect):
     stuck = flag("1 while the shaft stands, 0 while it turns")
 
 
+class Heating(Effect):
+    """The winding's losses heat it, and it the housing: two heat capacities; copper's resistance grows with the temperature.
+
+        C_w Tw' = R(Tw) i² - (Tw - Th) / R_wh,    C_h Th' = (Tw - Th) / R_wh - (Th - Ta) / R_ha,    R(T) = R (1 + a (T - 25 °C))
+
+    `resistance` is that at 25 °C, as data sheets have it. Losses of iron, bearings and gear are left out, and so is what the heat
+    takes from the magnets. Defaults: from memory, of the size of data sheets of motors of 22 mm; none of a particular motor.
+    """
+
+    coefficient = parameter(0.00393, "1/K", "growth of the resistance, a, copper's by default", low=0.0, nominal=0.004)
+    winding_capacity = parameter(1.1, "J/K", "heat capacity of the winding, C_w", low=1e-9)
+    housing_capacity = parameter(40.0, "J/K", "heat capacity of the housing, C_h", low=1e-9, nominal=10.0)
+    winding_to_housing = parameter(5.0, "K/W", "thermal resistance from the winding to the housing, R_wh", low=1e-9)
+    housing_to_ambient = parameter(
+        14.0, "K/W", "thermal resistance from the housing to the ambient, R_ha", low=1e-9, nominal=10.0
+    )
+    ambient = parameter(298.15, "K", "temperature of the ambient, and of the motor at the start", low=0.0, nominal=300.0)
+
+    winding_temperature = output("K", "temperature of the winding", nominal=300.0)
+    housing_temperature = output("K", "temperature of the housing", nominal=300.0)
+
+
+REFERENCE = 298.15  # K, at which data sheets give a resistance
+
+
 class MotorParameters:
     """Winding, gear and inertias of a motor, for its own unit and for drives that contain such motors."""
 
@@ -76,6 +101,7 @@ class ServoMotor(MotorParameters, EventComponent):
 
     saturation = Saturation
     shaft_friction = ShaftFriction
+    heating = Heating
 
     start_angle = parameter(0.0, "rad", "angle of the wheel at the start")
     start_rate = parameter(0.0, "rad/s", "rate of the wheel at the start")
@@ -106,8 +132,8 @@ class ServoMotor(MotorParameters, EventComponent):
         return 1 if "shaft_friction" in self.on else 0
 
     def states(self) -> int:
-        """Angle, rate, the current where it is a state, and the mode of the shaft where it can stick."""
-        return 2 + ("inductance" in self.on) + ("shaft_friction" in self.on)
+        """Angle, rate, the current where it is a state, both temperatures above the ambient's, and the mode of the shaft."""
+        return 2 + ("inductance" in self.on) + 2 * ("heating" in self.on) + ("shaft_friction" in self.on)
 
     def shapes(self) -> dict[str, Any]:
         """`slopes`: of the derivatives over the state, and workspace."""
@@ -131,38 +157,53 @@ def shaft_inertia(p):
 
 
 @kernel
-def winding_voltage(rate, u, p, saturation):
+def heat_place(inductance):
+    """Place of the temperatures in the state."""
+    return CURRENT + 1 if inductance is not None else CURRENT
+
+
+@kernel
+def winding_resistance(x, p, e):
+    """Resistance of the winding, Ohm: at its temperature where it heats."""
+    if e.heating is not None:
+        temperature = e.heating.ambient + x[heat_place(e.inductance)]
+        return p.resistance * (1.0 + e.heating.coefficient * (temperature - REFERENCE))
+    return p.resistance
+
+
+@kernel
+def winding_voltage(rate, u, resistance, p, saturation):
     """Voltage at the winding: what is asked, or what the amplifier's limits leave of it, V."""
     if saturation is None:
         return u[IN.voltage]
-    return torque_motor.limited_voltage(u[IN.voltage], p.constant * p.gear_ratio * rate, p.resistance, saturation)
+    return torque_motor.limited_voltage(u[IN.voltage], p.constant * p.gear_ratio * rate, resistance, saturation)
 
 
 @kernel
-def steady_current(rate, u, p, saturation):
+def steady_current(rate, u, resistance, p, saturation):
     """Current in the steady state at a rate of the wheel, A."""
-    return (winding_voltage(rate, u, p, saturation) - p.constant * p.gear_ratio * rate) / p.resistance
+    return (winding_voltage(rate, u, resistance, p, saturation) - p.constant * p.gear_ratio * rate) / resistance
 
 
 @kernel
-def winding_current(x, u, p, inductance, saturation):
+def winding_current(x, u, p, e):
     """Current in the winding, A: of the state, or the steady one."""
-    if inductance is not None:
+    if e.inductance is not None:
         return x[CURRENT]
-    return steady_current(x[RATE], u, p, saturation)
+    return steady_current(x[RATE], u, winding_resistance(x, p, e), p, e.saturation)
 
 
 @kernel
-def shaft_drive(x, u, p, inductance, saturation):
+def shaft_drive(x, u, p, e):
     """Torque that accelerates the wheel, dry friction apart, N.m."""
-    torque = p.gear_ratio * p.constant * winding_current(x, u, p, inductance, saturation)
+    torque = p.gear_ratio * p.constant * winding_current(x, u, p, e)
     return torque - p.gear_ratio * p.gear_ratio * p.damping * x[RATE] - u[IN.load_torque]
 
 
 @kernel
 def gear_friction(x, u, p, e):
     """Share of the motor's torque that the gear loses, N.m at the wheel."""
-    return e.shaft_friction.gear_loss * abs(p.gear_ratio * p.constant * winding_current(x, u, p, e.inductance, e.saturation))
+    return e.shaft_friction.gear_loss * abs(p.gear_ratio * p.constant * winding_current(x, u, p, e))
 
 
 @kernel
@@ -173,13 +214,13 @@ def static_level(x, u, p, e):
 
 @kernel
 def servo_start(t, s, p, e):
-    """Angle and rate of the parameters, the current where it is a state, and the mode of the shaft where it can stick."""
+    """Angle and rate of the parameters, the current where it is a state, the mode of the shaft; as warm as the ambient."""
     x = s.x
     x[ANGLE], x[RATE] = p.start_angle, p.start_rate
     if e.inductance is not None:
         x[CURRENT] = e.inductance.start_current
     if e.shaft_friction is not None:
-        drive = shaft_drive(x, s.u[0], p, e.inductance, e.saturation)
+        drive = shaft_drive(x, s.u[0], p, e)
         x[-1] = stick_mode(p.start_rate, drive, static_level(x, s.u[0], p, e))
     return DONE
 
@@ -193,8 +234,8 @@ def servo_resting(x, p, e):
 
 @kernel
 def servo_derivatives(t, x, u, dx, s, p, e):
-    """dx/dt of x = (angle, rate[, current][, mode])."""
-    torque = shaft_drive(x, u, p, e.inductance, e.saturation)
+    """dx/dt of x = (angle, rate[, current][, temperatures][, mode])."""
+    torque = shaft_drive(x, u, p, e)
     if e.shaft_friction is not None:
         kinetic = e.shaft_friction.level + gear_friction(x, u, p, e)
         torque -= stick_friction(x[-1], torque, kinetic)
@@ -203,16 +244,21 @@ def servo_derivatives(t, x, u, dx, s, p, e):
     dx[RATE] = torque / shaft_inertia(p)
     if e.inductance is not None:
         induced = p.constant * p.gear_ratio * x[RATE]
-        dx[CURRENT] = (
-            winding_voltage(x[RATE], u, p, e.saturation) - p.resistance * x[CURRENT] - induced
-        ) / e.inductance.inductance
+        resistance = winding_resistance(x, p, e)
+        given = winding_voltage(x[RATE], u, resistance, p, e.saturation)
+        dx[CURRENT] = (given - resistance * x[CURRENT] - induced) / e.inductance.inductance
+    if e.heating is not None:
+        heat, at, current = e.heating, heat_place(e.inductance), winding_current(x, u, p, e)
+        passed = (x[at] - x[at + 1]) / heat.winding_to_housing
+        dx[at] = (winding_resistance(x, p, e) * current * current - passed) / heat.winding_capacity
+        dx[at + 1] = (passed - x[at + 1] / heat.housing_to_ambient) / heat.housing_capacity
 
 
 @kernel
 def servo_guards(t, x, u, g, s, p, e):
     """Guards: positive while the shaft's mode lasts."""
     level = static_level(x, u, p, e)
-    g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, e.inductance, e.saturation), level)
+    g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, e), level)
 
 
 @kernel
@@ -220,7 +266,7 @@ def servo_switch(which, t, x, u, s, p, e):
     """The shaft has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[RATE] = 0.0
     level = static_level(x, u, p, e)
-    x[-1] = stick_switch(x[-1], shaft_drive(x, u, p, e.inductance, e.saturation), level)
+    x[-1] = stick_switch(x[-1], shaft_drive(x, u, p, e), level)
 
 
 @kernel
@@ -228,8 +274,11 @@ def servo_outputs(t, s, p, e):
     """Angle, rate, current, electrical power, and whether the shaft stands."""
     x, u, y = s.x, s.u[0], s.y
     y[OUT.angle], y[OUT.rate] = x[ANGLE], x[RATE]
-    y[OUT.current] = winding_current(x, u, p, e.inductance, e.saturation)
-    y[OUT.electrical_power] = winding_voltage(x[RATE], u, p, e.saturation) * y[OUT.current]
+    y[OUT.current] = winding_current(x, u, p, e)
+    y[OUT.electrical_power] = winding_voltage(x[RATE], u, winding_resistance(x, p, e), p, e.saturation) * y[OUT.current]
+    if e.heating is not None:
+        at = heat_place(e.inductance)
+        y[e.heating.y], y[e.heating.y + 1] = e.heating.ambient + x[at], e.heating.ambient + x[at + 1]
     if e.shaft_friction is not None:
         y[e.shaft_friction.y] = 1.0 if x[-1] == 0.0 else 0.0
     return DONE

@@ -74,6 +74,21 @@ HARD_CASES = {
             inputs={"external_force": InputSignal(_there_and_back)},
             run=(0.6, 0.02),
         ),
+        "rolling contacts, turned back and forth": HardCase(
+            "Creep in both directions through standstill: bounded, and full slip gives the whole friction.",
+            (AtMost(_tractions, 6.0 * 1.05, "tractions, N"), Finite(limit=10.0)),
+            effects=("rolling_slip",),
+            parameters={"substep": 5e-5},
+            inputs={"first_rate": sine(20.0, 11.0), "second_rate": sine(20.0, 11.0), "external_force": sine(9.0, 7.0)},
+            run=(2.0, 0.01),
+        ),
+        "a rolling contact at rest": HardCase(
+            "A load that friction bears is held: what stands does not creep.",
+            (AtMost(lambda c: c["feed"], 1e-4, "feed, m"), Ends("feed_rate", 1e-9, value=0.0)),
+            effects=("rolling_slip",),
+            inputs={"external_force": -9.0},
+            run=(3.0, 0.05),
+        ),
         "held under vibration": HardCase(
             "5 N with 3 N at 40 Hz on top of 14 N that hold: it is back where it was.",
             (Ends("feed", 1e-15, value=5.0 / STIFFNESS), AtMost(events, 0.0, "events")),

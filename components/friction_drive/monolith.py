@@ -106,7 +106,7 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
     def energy(self) -> float:
         """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
         _, p, e = self.arguments
-        at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+        at = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
         twice = shaft_inertia(p) * (self.x[at + RATES : at + RATES + 2] ** 2).sum()
         if e.inductance is not None:
             twice += e.inductance.inductance * (self.x[at + CURRENTS : at + CURRENTS + 2] ** 2).sum()
@@ -118,9 +118,9 @@ OUT = FrictionDrive.output_places()
 
 
 @kernel
-def motor_place(lugre, exact, trocar):
+def motor_place(lugre, exact, rolling, trocar):
     """Place of the motors in the state."""
-    return seal_place(lugre, exact) + (3 if trocar is not None else 0)
+    return seal_place(lugre, exact, rolling) + (3 if trocar is not None else 0)
 
 
 @kernel
@@ -154,7 +154,7 @@ def shaft_levels(k, at, x, voltage, p, inductance, shaft):
 @kernel
 def shafts(t, x, u, p, e):
     """(drive, drive, static, static): torques that both shafts bear while they stand, and their limits, N.m."""
-    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
     return (
@@ -168,7 +168,7 @@ def shafts(t, x, u, p, e):
 @kernel
 def drive_start(t, s, p, e):
     """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, currents as given, shafts that stand where they can."""
-    x, at = s.x, motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    x, at = s.x, motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     sleeve_start(x, p)
     if e.inductance is not None:
         x[at + CURRENTS] = x[at + CURRENTS + 1] = e.inductance.start_current
@@ -183,14 +183,14 @@ def drive_start(t, s, p, e):
 def drive_resting(x, p, e):
     """The shafts slide: while they stand, motors and wheels would not move."""
     if e.shaft_friction is not None:
-        mode = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction) + shaft_modes(e.inductance)
+        mode = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction) + shaft_modes(e.inductance)
         x[mode], x[mode + 1] = 1.0, 1.0
 
 
 @kernel
 def drive_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (sleeve, angles, rates[, currents][, modes])."""
-    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     load_1, load_2 = sleeve_derivatives(
         t, x, x[at + RATES], x[at + RATES + 1], (u[IN.external_force], u[IN.external_torque]), dx, p, e
     )
@@ -210,8 +210,8 @@ def drive_derivatives(t, x, u, dx, s, p, e):
 @kernel
 def drive_guards(t, x, u, g, s, p, e):
     """Guards: positive while the modes of both contacts, the seal and both shafts last."""
-    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
-    sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
+    sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     g[3] = g[4] = 1.0
     if e.shaft_friction is not None:
         drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, e)
@@ -224,9 +224,9 @@ def drive_guards(t, x, u, g, s, p, e):
 def drive_switch(which, t, x, u, s, p, e):
     """A contact, the seal or a shaft breaks loose, or comes to rest."""
     if which < 3:
-        sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
+        sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     elif e.shaft_friction is not None:
-        k, at = which - 3, motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+        k, at = which - 3, motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
         x[at + RATES + k] = 0.0
         drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, e)
         mode = at + shaft_modes(e.inductance) + k
@@ -237,7 +237,7 @@ def drive_switch(which, t, x, u, s, p, e):
 def drive_outputs(t, s, p, e):
     """Motors, sleeve, contacts, energy, and which parts stand."""
     x, u, y = s.x, s.u[0], s.y
-    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     y[OUT.first_angle], y[OUT.second_angle], y[OUT.first_rate], y[OUT.second_rate] = (
         x[at],
         x[at + 1],
@@ -254,7 +254,7 @@ def drive_outputs(t, s, p, e):
         t, x, y[OUT.first_rate], y[OUT.second_rate], y, OUT.first_slip_axial, p, e
     )
     y[OUT.mechanical_energy] = sleeve_energy(t, x, p, e)
-    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     if e.shaft_friction is not None:
         mode = at + shaft_modes(e.inductance)
         y[e.shaft_friction.y], y[e.shaft_friction.y + 1] = 1.0 if x[mode] == 0.0 else 0.0, 1.0 if x[mode + 1] == 0.0 else 0.0

@@ -1,7 +1,7 @@
 """The sleeve under two wheels: effects and equations that the wheels' unit and the whole drive have in common.
 
-State: feed, rotation, their rates; with bristles or exact stick the deflections of both contacts and, with exact stick, their
-modes; with friction of the trocar the seal's deflection and mode. What else a unit holds stands behind. First number of a pair
+State: feed, rotation, their rates; with bristles, exact stick or rolling creep the deflections of both contacts and, with exact
+stick, their modes; with friction of the trocar the seal's deflection and mode. What else a unit holds stands behind. First number of a pair
 is along the axis, second around it; the surface of the sleeve is taken as a plane.
 
 All tractions are laws at full preload times the share of it that is left: a contact without preload bears nothing.
@@ -38,13 +38,13 @@ class SmoothedSlip(Effect):
     The cheapest law; under a load that should stand the sleeve creeps.
     """
 
-    excludes = ("lugre_slip", "exact_slip")
+    excludes = ("lugre_slip", "exact_slip", "rolling_slip")
 
 
 class LuGreSlip(Effect):
     """Friction by elastic bristles in the plane of contact (LuGre); their fastest relaxation is held to one per substep."""
 
-    excludes = ("smoothed_slip", "exact_slip")
+    excludes = ("smoothed_slip", "exact_slip", "rolling_slip")
     static_ratio = parameter(1.2, "1", "static over kinetic friction", low=1.0)
     stiffness = parameter(6e4, "N/m", "stiffness of the bristles of a contact at full preload", low=0.0, nominal=1e4)
     damping = parameter(60.0, "N.s/m", "damping of the bristles of a contact at full preload", low=0.0, nominal=10.0)
@@ -58,13 +58,33 @@ class ExactSlip(Effect):
     Rigid contacts would leave the tractions of two wheels at rest open; the elastic ones share a load by their deflections.
     """
 
-    excludes = ("smoothed_slip", "lugre_slip")
+    excludes = ("smoothed_slip", "lugre_slip", "rolling_slip")
     static_ratio = parameter(1.2, "1", "static over kinetic friction", low=1.0)
     deflection = parameter(1e-4, "m", "elastic deflection at the kinetic level", low=1e-9, nominal=1e-4)
     damping_time = parameter(1e-3, "s", "damping over stiffness of the contact", low=0.0, nominal=1e-3)
 
     first_stuck = flag("1 while the first contact holds, 0 while it slides")
     second_stuck = flag("1 while the second contact holds, 0 while it slides")
+
+
+class RollingSlip(Effect):
+    """Creep of elastic contacts that roll: the wheel's turning carries their deflection out, at its speed V over the length.
+
+        z' = s - |V| z / length,    Q = -friction * normal_force (1 - (1 - |z| / Z)^power) z / |z|,    Z = full_slip * length
+
+    At a load the slip over the rolling speed, the creepage, is constant; from `full_slip` on all of the contact slides. A wheel
+    that stands holds. power 2: rollers in line contact, full_slip = friction * half-width (1 / R + 1 / r) (Carter 1926). power 3:
+    points of contact, full_slip = 3 friction * normal_force / (G a b C) with Kalker's C (Vermeulen and Johnson 1964; Shen, Hedrick
+    and Elkins 1983). Both from memory; the defaults are a choice of ours for a rubber tread.
+    """
+
+    excludes = ("smoothed_slip", "lugre_slip", "exact_slip")
+    full_slip = parameter(0.05, "1", "slip over rolling speed from which on all of the contact slides", low=1e-6, nominal=0.01)
+    length = parameter(
+        2e-3, "m", "length over which a deflection is carried out, about that of the contact", low=1e-4, nominal=1e-3
+    )
+    power = parameter(2.0, "1", "2 for rollers in line contact (Carter), 3 for points of contact (Kalker)", low=1.0, high=4.0)
+    damping_time = parameter(1e-3, "s", "damping over stiffness of the contact", low=0.0, nominal=1e-3)
 
 
 class TrocarFriction(Effect):
@@ -124,8 +144,33 @@ def friction_level(p):
 
 
 @kernel
-def deflection_rate(k, x, sx, sy, p, e):
-    """Rate of the deflection of contact k; zero for laws without one."""
+def rolling_rate(sx, sy, zx, zy, speed, rolling, fastest):
+    """Rate of the deflection of a contact that rolls at a speed; beyond a full deflection it goes back as fast as steps allow."""
+    full, length = rolling.full_slip * rolling.length, math.hypot(zx, zy)
+    leaving = abs(speed) / rolling.length
+    if length > full:
+        leaving += fastest * (1.0 - full / length)
+    return sx - leaving * zx, sy - leaving * zy
+
+
+@kernel
+def rolling_share(zx, zy, rolling):
+    """Share of the friction that a deflection bears, over its length, 1/m."""
+    full = rolling.full_slip * rolling.length
+    if zx == 0.0 and zy == 0.0:
+        return rolling.power / full
+    length = math.hypot(zx, zy)
+    if length >= full:
+        return 1.0 / length
+    return (1.0 - (1.0 - length / full) ** rolling.power) / length
+
+
+@kernel
+def deflection_rate(k, x, rate, sx, sy, p, e):
+    """Rate of the deflection of contact k with a wheel that turns at `rate`; zero for laws without one."""
+    if e.rolling_slip is not None:
+        z = DEFLECTIONS + 2 * k
+        return rolling_rate(sx, sy, x[z], x[z + 1], p.wheel_radius * rate, e.rolling_slip, 1.0 / p.substep)
     if e.lugre_slip is not None:
         lugre, kinetic, z = e.lugre_slip, friction_level(p), DEFLECTIONS + 2 * k
         level = lugre_level(math.hypot(sx, sy), kinetic, lugre.static_ratio * kinetic, lugre.stribeck_rate)
@@ -137,19 +182,24 @@ def deflection_rate(k, x, sx, sy, p, e):
 
 
 @kernel
-def traction(k, t, x, sx, sy, p, e):
-    """Force of wheel k on the sleeve, N."""
+def traction(k, t, x, rate, sx, sy, p, e):
+    """Force of wheel k, which turns at `rate`, on the sleeve, N."""
     share = preload_share(k, t, e.preload_loss)
     if e.smoothed_slip is not None:
         fx, fy = smoothed_planar(sx, sy, friction_level(p), p.creep)
         return -share * fx, -share * fy
-    rx, ry = deflection_rate(k, x, sx, sy, p, e)
+    rx, ry = deflection_rate(k, x, rate, sx, sy, p, e)
     if e.lugre_slip is not None:
         lugre, z = e.lugre_slip, DEFLECTIONS + 2 * k
         return (
             -share * (lugre.stiffness * x[z] + lugre.damping * rx + lugre.viscous * sx),
             -share * (lugre.stiffness * x[z + 1] + lugre.damping * ry + lugre.viscous * sy),
         )
+    if e.rolling_slip is not None:
+        rolling, z, level = e.rolling_slip, DEFLECTIONS + 2 * k, share * friction_level(p)
+        bearing = level * rolling_share(x[z], x[z + 1], rolling)
+        damping = level * rolling.power / (rolling.full_slip * rolling.length) * rolling.damping_time
+        return -bearing * x[z] - damping * rx, -bearing * x[z + 1] - damping * ry
     if e.exact_slip is not None:
         exact, z = e.exact_slip, DEFLECTIONS + 2 * k
         stiffness = share * friction_level(p) / exact.deflection
@@ -163,8 +213,8 @@ def contacts(t, x, first, second, p, e):
     """Slips and tractions of both contacts, along and around: (slip 1, slip 2, traction 1, traction 2), eight numbers."""
     ax, ay = slip(0, x, first, p)
     bx, by = slip(1, x, second, p)
-    qx, qy = traction(0, t, x, ax, ay, p, e)
-    rx, ry = traction(1, t, x, bx, by, p, e)
+    qx, qy = traction(0, t, x, first, ax, ay, p, e)
+    rx, ry = traction(1, t, x, second, bx, by, p, e)
     return ax, ay, bx, by, qx, qy, rx, ry
 
 
@@ -176,9 +226,9 @@ def wheel_loads(qx, qy, rx, ry, p):
 
 
 @kernel
-def seal_place(lugre, exact):
+def seal_place(lugre, exact, rolling):
     """Place of the seal's deflection in the state."""
-    if lugre is not None:
+    if lugre is not None or rolling is not None:
         return DEFLECTIONS + 4
     if exact is not None:
         return DEFLECTIONS + 6
@@ -186,9 +236,9 @@ def seal_place(lugre, exact):
 
 
 @kernel
-def seal_rate(x, p, lugre, exact):
+def seal_rate(x, p, lugre, exact, rolling):
     """Rate of the seal's deflection."""
-    z = seal_place(lugre, exact)
+    z = seal_place(lugre, exact, rolling)
     return planar_stick_rate(x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1], 1.0 / p.substep)
 
 
@@ -202,14 +252,17 @@ def sleeve_derivatives(t, x, first, second, external, dx, p, e):
     ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e)
     force, torque = external
     along, around = qx + rx + force, qy + ry + torque / p.sleeve_radius
-    if e.lugre_slip is not None or e.exact_slip is not None:
-        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, e)
-        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, e)
+    if e.lugre_slip is not None or e.exact_slip is not None or e.rolling_slip is not None:
+        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, first, ax, ay, p, e)
+        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, second, bx, by, p, e)
     if e.exact_slip is not None:
         dx[MODES] = dx[MODES + 1] = 0.0
     if e.trocar_friction is not None:
-        z, stiffness = seal_place(e.lugre_slip, e.exact_slip), e.trocar_friction.level / e.trocar_friction.deflection
-        dx[z], dx[z + 1] = seal_rate(x, p, e.lugre_slip, e.exact_slip)
+        z, stiffness = (
+            seal_place(e.lugre_slip, e.exact_slip, e.rolling_slip),
+            e.trocar_friction.level / e.trocar_friction.deflection,
+        )
+        dx[z], dx[z + 1] = seal_rate(x, p, e.lugre_slip, e.exact_slip, e.rolling_slip)
         dx[z + 2] = 0.0
         zx, zy = planar_stick_deflection(x[z + 2], x[z], x[z + 1], e.trocar_friction.deflection)
         along -= stiffness * (zx + e.trocar_friction.damping_time * dx[z])
@@ -222,7 +275,7 @@ def sleeve_derivatives(t, x, first, second, external, dx, p, e):
 
 
 @kernel
-def sleeve_guards(x, first, second, g, p, lugre, exact, trocar):
+def sleeve_guards(x, first, second, g, p, lugre, exact, rolling, trocar):
     """Guards: positive while the modes of both contacts and the seal last; absent modes last for ever."""
     g[0] = g[1] = g[2] = 1.0
     if exact is not None:
@@ -233,21 +286,29 @@ def sleeve_guards(x, first, second, g, p, lugre, exact, trocar):
         g[0] = planar_stick_guard(x[MODES], ax, ay, x[z], x[z + 1], breakaway)
         g[1] = planar_stick_guard(x[MODES + 1], bx, by, x[z + 2], x[z + 3], breakaway)
     if trocar is not None and trocar.level > 0.0:
-        z = seal_place(lugre, exact)
+        z = seal_place(lugre, exact, rolling)
         g[2] = planar_stick_guard(
             x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1], trocar.static_ratio * trocar.deflection
         )
 
 
 @kernel
-def sleeve_switch(which, x, lugre, exact, trocar):
+def sleeve_switch(which, x, lugre, exact, rolling, trocar):
     """A contact or the seal breaks loose, or comes to rest."""
     if exact is not None and which < 2:
         m, z = MODES + which, DEFLECTIONS + 2 * which
         x[m], x[z], x[z + 1] = planar_stick_switch(x[m], x[z], x[z + 1], exact.deflection)
     if trocar is not None and which == 2:
-        z = seal_place(lugre, exact)
+        z = seal_place(lugre, exact, rolling)
         x[z + 2], x[z], x[z + 1] = planar_stick_switch(x[z + 2], x[z], x[z + 1], trocar.deflection)
+
+
+@kernel
+def rolling_store(length, rolling):
+    """Twice the energy of a deflection over the friction level, m: the integral of the share that it bears."""
+    full, more = rolling.full_slip * rolling.length, rolling.power + 1.0
+    left = (1.0 - length / full) ** more if length < full else 0.0
+    return 2.0 * (length - full / more * (1.0 - left))
 
 
 @kernel
@@ -258,10 +319,12 @@ def sleeve_energy(t, x, p, e):
         z, share = DEFLECTIONS + 2 * k, preload_share(k, t, e.preload_loss)
         if e.lugre_slip is not None:
             twice += share * e.lugre_slip.stiffness * (x[z] * x[z] + x[z + 1] * x[z + 1])
+        if e.rolling_slip is not None:
+            twice += share * friction_level(p) * rolling_store(math.hypot(x[z], x[z + 1]), e.rolling_slip)
         if e.exact_slip is not None:
             twice += share * friction_level(p) / e.exact_slip.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
     if e.trocar_friction is not None:
-        z = seal_place(e.lugre_slip, e.exact_slip)
+        z = seal_place(e.lugre_slip, e.exact_slip, e.rolling_slip)
         twice += e.trocar_friction.level / e.trocar_friction.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
     energy = 0.5 * twice
     if e.gravity is not None:
@@ -284,12 +347,12 @@ def contact_outputs(t, x, first, second, y, at, p, e):
 
 
 @kernel
-def stuck_outputs(x, y, lugre, exact, trocar):
+def stuck_outputs(x, y, lugre, exact, rolling, trocar):
     """Which contacts hold, and whether the seal does."""
     if exact is not None:
         y[exact.y], y[exact.y + 1] = 1.0 if x[MODES] != SLIDES else 0.0, 1.0 if x[MODES + 1] != SLIDES else 0.0
     if trocar is not None:
-        y[trocar.y] = 1.0 if x[seal_place(lugre, exact) + 2] != SLIDES else 0.0
+        y[trocar.y] = 1.0 if x[seal_place(lugre, exact, rolling) + 2] != SLIDES else 0.0
 
 
 @kernel
@@ -300,7 +363,7 @@ def free_share(force, level):
 
 def sleeve_states(on: Collection[str]) -> int:
     """Number of the sleeve's states where these effects are on."""
-    contact = 6 if "exact_slip" in on else 4 if "lugre_slip" in on else 0
+    contact = 6 if "exact_slip" in on else 4 if {"lugre_slip", "rolling_slip"} & {*on} else 0
     return DEFLECTIONS + contact + (3 if "trocar_friction" in on else 0)
 
 

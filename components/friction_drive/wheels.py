@@ -21,6 +21,7 @@ from .sleeve import (
     Gravity,
     LuGreSlip,
     PreloadLoss,
+    RollingSlip,
     SmoothedSlip,
     TrocarFriction,
     contact_outputs,
@@ -34,7 +35,7 @@ from .sleeve import (
 )
 
 CREEP = 600.0  # N.s/m, by default
-CREEP_WITH_LUGRE, CREEP_WITH_EXACT = OWN + 4, OWN + 5  # statuses, behind those of kinematics.py
+CREEP_WITH_LUGRE, CREEP_WITH_EXACT, CREEP_WITH_ROLLING = OWN + 4, OWN + 5, OWN + 6  # statuses, behind those of kinematics.py
 FIRST, SECOND, BOTH = ("first_rate",), ("second_rate",), ("first_rate", "second_rate")
 
 
@@ -44,6 +45,7 @@ class SleeveDeclarations:
     smoothed_slip = SmoothedSlip
     lugre_slip = LuGreSlip
     exact_slip = ExactSlip
+    rolling_slip = RollingSlip
     trocar_friction = TrocarFriction
     gravity = Gravity
     preload_loss = PreloadLoss
@@ -67,9 +69,13 @@ class SleeveDeclarations:
         status: Refusal(
             f"creep = {{creep}} N.s/m with {effect!r}",
             "contacts that creep: 'smoothed_slip' or none of the effects of slip",
-            f"The stiffness of contacts with {effect!r} is a parameter of that effect.",
+            f"The stiffness of contacts with {effect!r} follows from parameters of that effect.",
         )
-        for status, effect in ((CREEP_WITH_LUGRE, "lugre_slip"), (CREEP_WITH_EXACT, "exact_slip"))
+        for status, effect in (
+            (CREEP_WITH_LUGRE, "lugre_slip"),
+            (CREEP_WITH_EXACT, "exact_slip"),
+            (CREEP_WITH_ROLLING, "rolling_slip"),
+        )
     }
 
 
@@ -81,7 +87,7 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
 
     s_k: slip, Q_k: force of wheel k on the sleeve, against the slip. With plain wheels it has both components, with free rollers
     (see kinematics.py) the one along t_k only. Without an effect of friction the contacts creep: Q = -creep s, without a limit;
-    one of `smoothed_slip`, `lugre_slip` and `exact_slip` gives them one, friction * normal_force, whatever the direction.
+    one of `smoothed_slip`, `lugre_slip`, `exact_slip` and `rolling_slip` gives them one, friction * normal_force, whatever the direction.
 
     Frączak (2013), known to us by its abstract, has friction wheels that move a laparoscope's sleeve in two degrees of freedom;
     equations, layouts and numbers are ours, of the size that instrument has. The wheels' inertia belongs to their motors.
@@ -146,6 +152,8 @@ def declared_status(p, e):
         return CREEP_WITH_LUGRE
     if e.exact_slip is not None and p.creep != CREEP:
         return CREEP_WITH_EXACT
+    if e.rolling_slip is not None and p.creep != CREEP:
+        return CREEP_WITH_ROLLING
     return idle_angle(p.layout, p.angle)
 
 
@@ -165,13 +173,13 @@ def wheels_derivatives(t, x, u, dx, s, p, e):
 @kernel
 def wheels_guards(t, x, u, g, s, p, e):
     """Guards: positive while the modes of both contacts and the seal last."""
-    sleeve_guards(x, u[IN.first_rate], u[IN.second_rate], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    sleeve_guards(x, u[IN.first_rate], u[IN.second_rate], g, p, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
 
 
 @kernel
 def wheels_switch(which, t, x, u, s, p, e):
     """A contact or the seal breaks loose, or comes to rest."""
-    sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
 
 
 @kernel
@@ -183,7 +191,7 @@ def wheels_outputs(t, s, p, e):
     )
     y[OUT.feed], y[OUT.feed_rate], y[OUT.rotation], y[OUT.rotation_rate] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
     y[OUT.mechanical_energy] = sleeve_energy(t, x, p, e)
-    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.rolling_slip, e.trocar_friction)
     return DONE
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.columns import Columns, table_of
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
-from ..core.table_curve import curve_at, read_curve, row_before, sloped_rates
+from ..core.table_curve import curve_at, read_curve, read_grid, row_before, sloped_rates
 from .curves import BETZ
 
 PLACE = "performance_table.table"
@@ -40,19 +40,7 @@ def performance_of(text: str, with_pitch: bool, name: str) -> Performance:
             raise BadInput(where, "no column of pitch, with the effect 'pitch'", "a table over the pitch, too", remedy)
         table, rows = read_curve(text, where, {RATIO: "1", column: "1"})
         return _of_rows(table, rows[0], np.zeros(1), rows[1:], column)
-    whole.only((RATIO, PITCH, column), f"{RATIO}, {PITCH} and {column}")
-    ratio, pitch, value = whole.numbers(RATIO, "1"), whole.numbers(PITCH, "deg", asked=True), whole.numbers(column, "1")
-    if np.isnan(ratio + pitch + value).any():
-        raise BadInput(where, "a row with an empty cell", f"{RATIO}, {PITCH} and {column} in each row")
-    ratios, pitches = np.unique(ratio), np.unique(pitch)
-    grid = np.full((pitches.size, ratios.size), np.nan)
-    grid[np.searchsorted(pitches, pitch), np.searchsorted(ratios, ratio)] = value
-    if ratio.size != grid.size or np.isnan(grid).any() or min(grid.shape) < 2:
-        raise BadInput(
-            where,
-            f"{ratio.size} rows for {pitches.size} pitches and {ratios.size} ratios",
-            "a row for each pitch at each ratio, at least two of either",
-        )
+    whole, ratios, pitches, grid = read_grid(text, where, (RATIO, "1"), (PITCH, "deg"), (column, "1"))
     if not with_pitch and not pitches[0] <= 0.0 <= pitches[-1]:
         raise BadInput(
             where, f"pitches from {pitches[0]:g} to {pitches[-1]:g} deg", "a pitch of 0", "Switch the effect 'pitch' on."

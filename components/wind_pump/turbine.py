@@ -21,6 +21,7 @@ LARGEST_NUMBER = 1e12  # of a ratio: where the wind dies under a turning rotor, 
 LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
 STEEPNESS = 400  # pieces of the curve whose slopes are compared, up to the largest ratio
+PITCHES, MOST_PITCH = 90, 90.0  # pitches at which they are compared, and the largest, degrees: a feathered blade
 ABOVE_BETZ, STATIC_BELOW_KINETIC = OWN + 1, OWN + 2
 
 
@@ -205,14 +206,28 @@ def turbine_start(t, s, p, e):
 
 
 @kernel
-def turbine_stable(t, s, p, e):
-    """RK4's limit, radius / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
+def steepest_slope(degrees, s, p, e):
+    """Largest slope of the torque coefficient over the tip speed ratio at a pitch in degrees."""
     slope, width = 0.0, LARGEST_RATIO / STEEPNESS
-    before = coefficient_at(0.0, 0.0, s, p, e)
+    before = coefficient_at(0.0, degrees, s, p, e)
     for k in range(1, STEEPNESS + 1):
-        now = coefficient_at(k * width, 0.0, s, p, e)
+        now = coefficient_at(k * width, degrees, s, p, e)
         slope = max(slope, abs(now - before) / width)
         before = now
+    return slope
+
+
+@kernel
+def turbine_stable(t, s, p, e):
+    """RK4's limit, radius / |eigenvalue| at the steepest place of the curve at any pitch, in a wind of 60 m/s, s."""
+    slope = steepest_slope(0.0, s, p, e)
+    if e.pitch is not None:
+        if e.performance_table is not None:  # between rows a curve is a mean of theirs
+            for i in range(s.performance.pitches.size):
+                slope = max(slope, steepest_slope(s.performance.pitches[i], s, p, e))
+        else:
+            for i in range(1, PITCHES + 1):
+                slope = max(slope, steepest_slope(i * MOST_PITCH / PITCHES, s, p, e))
     steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
     return RK4_STABILITY_RADIUS * p.inertia / (p.damping + steepest)
 

@@ -37,6 +37,7 @@ SHOWN = {  # scene -> beginning of the title of the figure that it is there for;
     "two-contact-wires": "Uplift",
     "two-strips": "Amplitude",
     "unequal-spans": "Uplift",
+    "friction-drive-creep": "Tractions",
     "friction-drive-slow-feed": "While",
     "friction-drive-step": "Tractions",
     "gimbal-rotor": "Track",

@@ -2,7 +2,7 @@
 
 from cosimo.tests.contract.facts import Facts
 
-LAW = frozenset({"lugre_slip", "exact_slip", "smoothed_slip"})  # laws of friction in place of creep
+LAW = frozenset({"lugre_slip", "exact_slip", "smoothed_slip", "rolling_slip"})  # laws of friction in place of creep
 FORM = frozenset(
     {
         "trocar_friction.static_ratio",

@@ -6,8 +6,9 @@ import warnings
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.integrators import RK4_STABILITY_RADIUS
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
-from cosimo.components.wind_pump.turbine import WindTurbine
+from cosimo.components.wind_pump.turbine import WindTurbine, wind_torque
 from scipy.interpolate import PchipInterpolator
 
 pytestmark = pytest.mark.interpreted
@@ -62,6 +63,39 @@ def test_between_two_pitches_it_is_straight_and_outside_it_stays():
         assert unit["aerodynamic_torque"] == pytest.approx(expected, rel=1e-13)
 
 
+STEEP = "pitch [deg],tip_speed_ratio,torque_coefficient\n" + "".join(
+    f"{p},{r},{c}\n"
+    for p, curve in ((0, (0.3, 0.15, 0.0)), (20, (0.3, -0.3, -0.9)))
+    for r, c in zip((0, 1, 2), curve, strict=True)
+)
+
+
+def test_the_stable_step_is_that_of_the_steepest_pitch():
+    """The radius of RK4 over the slope of the torque over the speed, in 60 m/s: 0.15 at pitch 0, 0.6 at 20 degrees."""
+    most = 0.5 * 1.225 * math.pi * 1.5**4 * 60.0
+    without, with_pitch = turbine(STEEP), turbine(STEEP, ["pitch"])
+    assert without.stable_step() == pytest.approx(RK4_STABILITY_RADIUS * 15.0 / (most * 0.15), rel=1e-3)
+    assert with_pitch.stable_step() == pytest.approx(RK4_STABILITY_RADIUS * 15.0 / (most * 0.6), rel=1e-3)
+
+
+@pytest.mark.parametrize("curve", ["heier", "simple", "variant"])
+def test_a_rotor_at_its_stable_step_is_stable_at_every_pitch(curve):
+    """The fits are steeper when pitched, by 3 to 7 at 45 degrees: a disturbance of its speed must die out at each."""
+    unit = WindTurbine(["pitch"], {"curve": curve, "radius": 20.0, "inertia": 5e6})
+    unit.set("wind", 60.0)
+    unit.initialize(0.0)
+    limit = unit.stable_step()
+    _, p, e = unit.arguments
+    steepest = 0.0
+    for degrees in np.arange(0.0, 90.0, 0.25):
+        speeds = np.linspace(0.0, 20.0 * 60.0 / 20.0, 801)
+        unit.set("pitch.angle", math.radians(degrees))
+        torques = [wind_torque(w, unit.u[0], unit.arguments[0], p, e) for w in speeds[::20]]
+        steepest = max(steepest, np.abs(np.diff(torques)).max() / (speeds[20] - speeds[0]))
+    assert limit * steepest / 5e6 < RK4_STABILITY_RADIUS
+    assert limit * steepest / 5e6 > 0.5
+
+
 @pytest.mark.parametrize(
     ("table", "effects", "expected"),
     [
@@ -74,7 +108,7 @@ def test_between_two_pitches_it_is_straight_and_outside_it_stays():
         ("tip_speed_ratio,power_coefficient\n1,0.3\n2,\n", (), "1 whole rows of 2"),
         (AFFINE.replace("0,", "5,", 1).replace("\n0,", "\n5,"), (), "Switch the effect 'pitch' on"),
         (powers(), ("pitch",), "Add a column 'pitch"),
-        (AFFINE.replace("10,3,", "10,4,"), ("pitch",), "a row for each pitch at each ratio"),
+        (AFFINE.replace("10,3,", "10,4,"), ("pitch",), "a row for each pair of them"),
         (AFFINE.replace("pitch [deg]", "pitch"), ("pitch",), "a name with its unit"),
     ],
 )
