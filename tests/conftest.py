@@ -25,6 +25,7 @@ from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
 from hypothesis import HealthCheck, settings
 
+os.environ.pop("COLUMNS", None)  # of the terminal of whoever runs the tests: tables are whole
 # The tests hold on a machine that is busy: none fails because an example took long.
 settings.register_profile("busy machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy machine")

@@ -34,24 +34,33 @@ PREFERRED: dict[str, tuple[tuple[str, float], ...]] = {
 TURNING = {"speed": "rpm", "rate": "deg/s", "velocity": "deg/s"}  # of rad/s by the name: a shaft, a body; frequencies stay
 
 
-def preferred(unit: str, size: float, name: str = "") -> tuple[str, float]:
-    """(unit as it is written, factor) for a reader of numbers in a declared unit.
+def choices(unit: str, name: str = "") -> list[tuple[str, float, float]]:
+    """(unit as it is written, factor, least size in the declared unit) for a reader of numbers in a declared unit, the largest first.
 
-    size: the largest absolute number that is shown in the unit, in the declared unit. name: that of the quantity.
+    name: that of the quantity.
     """
-    if DELIVERY.get().si or not isfinite(size):
-        return written(unit), 1.0
+    units: tuple[tuple[str, float], ...] = PREFERRED.get(unit, ())
     if unit == "rad/s":
-        chosen = next((other for word, other in TURNING.items() if word in name.rpartition(".")[2]), unit)
-    else:
-        choices = PREFERRED.get(unit, ()) if size or unit == "rad" else ()  # 0 has no size
-        chosen = next((other for other, least in choices if size >= least * (1.0 - 1e-12)), unit)
-    return written(chosen), _factor(unit, chosen)
+        units = tuple((other, 0.0) for word, other in TURNING.items() if word in name.rpartition(".")[2])[:1]
+    if DELIVERY.get().si or not units:
+        units = ((unit, 0.0),)
+    return [(written(other), _factor(unit, other), least) for other, least in units]
+
+
+def preferred(unit: str, size: float, name: str = "") -> tuple[str, float]:
+    """(unit as it is written, factor): the choice for numbers of a size; that of 0 or of none is the declared unit, if it is one.
+
+    size: the largest absolute number that is shown in the unit, in the declared unit.
+    """
+    known = choices(unit, name)
+    if not (isfinite(size) and size):
+        return next(((text, factor) for text, factor, _ in known if factor == 1.0), known[0][:2])
+    return next((text, factor) for text, factor, least in known if size >= least * (1.0 - 1e-12))
 
 
 @cache
 def _factor(unit: str, other: str) -> float:
-    return conversion(unit, other)[0]
+    return 1.0 if unit == other else conversion(unit, other)[0]
 
 
 def written(unit: str) -> str:

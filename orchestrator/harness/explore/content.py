@@ -19,6 +19,7 @@ from ...scene.scene import Scene
 from ...scene.shorter_steps import refined
 from ...scene_fmu import refuse_what_needs_python
 from ...settings.explore import ENDS
+from ..preferred_units import choices
 from ..validation.reference import STANDINGS, load_table, table_files
 from .figures import LiveFigure, figures_of_study, filters
 from .modules import Variant, switches, variants
@@ -158,7 +159,14 @@ def _most_moving(scene: Scene, rows: Sequence[Mapping[str, Any]], fixed: Sequenc
 def _signal(variable: NativeVariable) -> dict[str, Any]:
     scalar = variable.scalar
     counts = scalar.type != "Real"
-    return {"name": scalar.name, "unit": scalar.unit or "1", "text": scalar.text, "nominal": scalar.nominal, "counts": counts}
+    return {
+        "name": scalar.name,
+        "unit": scalar.unit or "1",
+        "choices": choices(scalar.unit or "1", scalar.name),
+        "text": scalar.text,
+        "nominal": scalar.nominal,
+        "counts": counts,
+    }
 
 
 def _number(scene: Scene, name: str, value: Any, numbers: Mapping[str, NativeVariable], where: str) -> float:
@@ -283,6 +291,7 @@ def _parameter(variable: NativeVariable, given: tuple[float, float] | None) -> d
         "from": first,
         "to": last,
         "unit": s.unit or "1",
+        "choices": choices(s.unit or "1", s.name),
         "text": s.text,
     }
 

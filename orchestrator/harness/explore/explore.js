@@ -12,25 +12,30 @@ const element = (tag, properties = {}, ...children) => {
   made.append(...children);
   return made;
 };
-const unitText = (unit) => (unit === "1" ? "" : ` ${unit}`);
+const unitText = (unit) => unit && ` ${unit}`;
+const scaleOf = (p) => shownAs(p, Math.max(Math.abs(p.from), Math.abs(p.to))); // of a slider and what belongs to it
+const readable = (p, value) => text(Number((value * scaleOf(p).factor).toPrecision(6)));
+function declared(p, shown) { // the parameter's number for a text in the unit of its slider; what stands for its own is that
+  const value = Number((Number(shown) / scaleOf(p).factor).toPrecision(12));
+  return Math.abs(value - p.value) <= 1e-6 * Math.abs(p.value) ? p.value : value;
+}
 
 // ---- settings ----
 const variantOf = ({ off, algorithm }) => data.variants.findIndex((v) => v.algorithm === algorithm
   && Object.entries(v.effects).every(([name, on]) => on !== off.includes(name)));
 const available = (name) => name in data.variants[variantOf(state)].parameters;
 function refusal(p, value) { // why a text is no value of a parameter; "" for one that is
-  const number = Number(value);
-  const range = p.low === null && p.high === null ? "" : p.high === null ? `, at least ${digits(p.low, 6)}`
-    : p.low === null ? `, at most ${digits(p.high, 6)}` : ` from ${digits(p.low, 6)} to ${digits(p.high, 6)}`;
+  const number = declared(p, value), [low, high] = [p.low, p.high].map((end) => (end === null ? null : digits(end * scaleOf(p).factor, 6)));
+  const range = low === null && high === null ? "" : high === null ? `, at least ${low}` : low === null ? `, at most ${high}` : ` from ${low} to ${high}`;
   const fits = String(value).trim() !== "" && Number.isFinite(number) && (p.low === null || number >= p.low) && (p.high === null || number <= p.high);
-  return fits ? "" : `${JSON.stringify(String(value))}: expected a number${range}${unitText(p.unit)}`;
+  return fits ? "" : `${JSON.stringify(String(value))}: expected a number${range}${unitText(scaleOf(p).unit)}`;
 }
 function knob(p) {
   const id = `p-${p.name}`, box = element("div", { className: "knob" });
-  const label = element("label", { htmlFor: id }, `${p.text} `, element("small", {}, `${p.name}${p.unit === "1" ? "" : `, ${p.unit}`}`));
+  const label = element("label", { htmlFor: id }, `${p.text} `, element("small", {}, `${p.name}${scaleOf(p).unit && `, ${scaleOf(p).unit}`}`));
   const slider = element("input", { type: "range", min: p.from, max: p.to, step: "any", value: p.value });
-  slider.setAttribute("aria-label", `${p.text}, slider${unitText(p.unit)}`);
-  const field = element("input", { type: "text", inputMode: "decimal", id, value: text(p.value), autocomplete: "off" });
+  slider.setAttribute("aria-label", `${p.text}, slider${unitText(scaleOf(p).unit)}`);
+  const field = element("input", { type: "text", inputMode: "decimal", id, value: readable(p, p.value), autocomplete: "off" });
   const wrong = element("div", { className: "wrong", id: `${id}-wrong`, hidden: true });
   field.setAttribute("aria-describedby", wrong.id);
   const take = (value, settled) => {
@@ -39,11 +44,11 @@ function knob(p) {
     wrong.hidden = !why;
     wrong.textContent = why;
     if (why) return;
-    const values = { ...state.values, [p.name]: Number(value) };
-    if (Number(value) === p.value) delete values[p.name];
+    const values = { ...state.values, [p.name]: declared(p, value) };
+    if (values[p.name] === p.value) delete values[p.name];
     change({ ...state, values }, settled, field);
   };
-  const rounded = () => Number(Number(slider.value).toPrecision(4));
+  const rounded = () => Number((slider.value * scaleOf(p).factor).toPrecision(4));
   slider.addEventListener("input", () => { field.value = text(rounded()); take(rounded(), false); });
   slider.addEventListener("change", () => take(rounded(), true));
   slider.addEventListener("keydown", (event) => { // 1 % of the range a key, 10 % a page
@@ -64,7 +69,7 @@ function knob(p) {
     slider.min = Math.min(p.from, value); // a field takes more than the usual range
     slider.max = Math.max(p.to, value);
     slider.value = value;
-    if (keep !== field) { field.value = text(value); field.setAttribute("aria-invalid", "false"); wrong.hidden = true; }
+    if (keep !== field) { field.value = readable(p, value); field.setAttribute("aria-invalid", "false"); wrong.hidden = true; }
     slider.disabled = field.disabled = !there;
   };
   return box;
@@ -239,10 +244,10 @@ function noteTime({ spent, rows }) { // of a run with the macro step of this sta
 function showNumbers() {
   if (!shown) return;
   byId("numbers").replaceChildren(...data.figures.map((f) => {
-    const now = shown.numbers[f.name], { number, error, unit } = quantity(now, f.unit, shown.errors[f.name]);
+    const now = shown.numbers[f.name], { number, error, unit } = quantity(now, f, shown.errors[f.name]);
     const value = element("dd", {}, `${withError(number, error)}${unit}`);
     if (pinned) {
-      const before = pinned.run.numbers[f.name], [was, change] = [before, now - before].map((v) => quantity(v, f.unit, 0, now).number);
+      const before = pinned.run.numbers[f.name], [was, change] = [before, now - before].map((v) => quantity(v, f, 0, now).number);
       value.append(element("small", {}, `pinned ${digits(was, 5)}, change ${digits(change, 3)}`));
     }
     return element("div", {}, element("dt", {}, f.text), value);
@@ -281,26 +286,27 @@ function showInfluences() {
   rows.sort((a, b) => Math.abs(b.change) - Math.abs(a.change));
   const most = Math.abs(rows[0]?.change) || 1, signed = (v, n) => `${v < 0 ? "−" : "+"}${digits(Math.abs(v), n)}`;
   box.replaceChildren(...rows.map(({ name, by, change }) => {
-    const { text: meaning, unit } = parameters[name], share = Math.abs(change) / most, hidden = Math.abs(change) <= error;
+    const { text: meaning } = parameters[name], { unit, factor } = scaleOf(parameters[name]), share = Math.abs(change) / most, hidden = Math.abs(change) <= error;
     const bar = element("span", { className: `influence ${change < 0 ? "down" : "up"}` });
     bar.style.width = `${100 * share}%`;
     return element("tr", { className: hidden ? "below" : "", title: hidden ? "within the numerical error" : "" },
-      element("th", { scope: "row" }, meaning, element("small", {}, ` ${signed(by, 2)}${unitText(unit)}`)),
-      element("td", {}, bar), element("td", { className: "num" }, `${signed(quantity(change, figure.unit, 0, base).number, 3)}${quantity(base, figure.unit).unit}`));
+      element("th", { scope: "row" }, meaning, element("small", {}, ` ${signed(by * factor, 2)}${unitText(unit)}`)),
+      element("td", {}, bar), element("td", { className: "num" }, `${signed(quantity(change, figure, 0, base).number, 3)}${quantity(base, figure).unit}`));
   }));
 }
 function drawScan() {
   const figure = chosenFigure(), name = byId("scanned").value, points = scanned.filter(Boolean), colours = data.colours;
   if (!figure || !name) return;
   const layout = structuredClone(data.layouts.curve), p = parameters[name], here = state.values[name] ?? p.value;
-  layout.xaxis.title.text = labelled({ name, unit: p.unit, text: p.text });
-  layout.xaxis.range = [p.from, p.to];
-  layout.shapes = [{ type: "line", x0: here, x1: here, y0: 0, y1: 1, yref: "paper", line: { color: colours.bad, width: 1.2 } }];
+  const across = scaleOf(p), up = shownAs(figure, Math.max(...points.map((one) => Math.abs(one.numbers?.[figure.name] ?? 0))));
+  layout.xaxis.title.text = labelled({ name, unit: across.unit, text: p.text });
+  layout.xaxis.range = [p.from * across.factor, p.to * across.factor];
+  layout.shapes = [{ type: "line", x0: here * across.factor, x1: here * across.factor, y0: 0, y1: 1, yref: "paper", line: { color: colours.bad, width: 1.2 } }];
   const signal = figure.section ? data.signals.find((s) => s.name === figure.signals[0]) : null;
-  layout.yaxis.title.text = signal ? labelled(signal) : labelled({ ...figure, unit: figure.unit });
+  layout.yaxis.title.text = signal ? labelled({ ...signal, unit: shownAs(signal, 0).unit }) : labelled({ ...figure, unit: up.unit });
   const trace = signal ? { mode: "markers", marker: { size: 2.5, color: colours.line }, name: "section",
-    x: points.flatMap((one) => one.points.map(() => one.value)), y: points.flatMap((one) => one.points) }
-    : { mode: "lines+markers", marker: { size: 4 }, line: { color: colours.line }, name: figure.text, x: points.map((one) => one.value), y: points.map((one) => one.numbers[figure.name]) };
+    x: points.flatMap((one) => one.points.map(() => one.value * across.factor)), y: points.flatMap((one) => one.points) }
+    : { mode: "lines+markers", marker: { size: 4 }, line: { color: colours.line }, name: figure.text, x: points.map((one) => one.value * across.factor), y: points.map((one) => one.numbers[figure.name] * up.factor) };
   return plot("scan", [{ type: "scatter", showlegend: false, ...trace }], layout);
 }
 
@@ -372,8 +378,8 @@ function orbit(x, y) {
   return { x: some(x), y: some(y) };
 }
 const labelled = ({ name, unit, text: what }) => { // of an axis
-  const whole = `${what}${unit === "1" ? "" : `, ${unit}`}`;
-  return whole.length > 42 ? `${name.split(".").at(-1)}, ${unit}` : whole;
+  const whole = `${what}${unit && `, ${unit}`}`;
+  return whole.length > 42 ? `${name.split(".").at(-1)}${unit && `, ${unit}`}` : whole;
 };
 function drawCurve(k) {
   if (!shown) return;
@@ -390,8 +396,13 @@ function drawCurve(k) {
   traces.push(line(shown, shown.columns[name], smooth.length ? "unfiltered" : "this state", smooth.length ? colours.raw : colours.line));
   smooth.forEach(([key, y]) => traces.push(line(shown, y, key.slice(name.length + 1), colours.line, { width: 2 })));
   const layout = structuredClone(data.layouts.curve);
-  layout.yaxis.title.text = labelled(of(name));
-  if (over) layout.xaxis.title.text = labelled(of(over));
+  const scaled = (axis, signal) => { // its numbers and its label in a unit for a reader
+    const { unit, factor } = shownAs(of(signal), traces.reduce((most, trace) => trace[axis].reduce((m, v) => Math.max(m, Math.abs(v) || 0), most), 0));
+    traces.forEach((trace) => { trace[axis] = Array.from(trace[axis], (v) => v * factor); });
+    layout[`${axis}axis`].title.text = labelled({ ...of(signal), unit });
+  };
+  scaled("y", name);
+  if (over) scaled("x", over);
   return plot(`curve${k}`, traces, layout);
 }
 function showLimit() {

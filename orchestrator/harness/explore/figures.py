@@ -9,6 +9,7 @@ from typing import Any
 from ...run.key_results import STATISTICS
 from ...scene.scene import Scene
 from ..analysis.signals import ButterworthFilter, sections
+from ..preferred_units import choices
 from ..studies.quantities import EDGE, quantities_of
 
 MOST = 12  # figures of a scene without a system that knows better
@@ -76,6 +77,7 @@ class LiveFigure:
     def to_json(self) -> dict[str, Any]:
         """For the page."""
         return asdict(self) | {
+            "choices": choices(self.unit, self.name),
             "filter": f"{self.cutoff:g}" if self.cutoff else "",
             "over": self.over.to_json() if self.over else None,
             "of_the_signal": self.kind in OF_THE_SIGNAL and not self.over and self.combine != "product",

@@ -23,10 +23,16 @@ function withError(value, error) {
   if (digit >= 0 || digit < -9) return `${digits(value, 4)} ± ${digits(shown, 2)}`;
   return `${value.toFixed(-digit)} ± ${shown.toFixed(-digit)}`;
 }
-// A number with its unit, lengths below 0.1 m in mm, below 0.1 mm in µm. of: the number that decides, if not this one.
-function quantity(value, unit, error, of = value) {
-  const [factor, shown] = unit !== "m" || !(Math.abs(of) < 0.1) || of === 0 ? [1, unit] : Math.abs(of) < 1e-4 ? [1e6, "µm"] : [1e3, "mm"];
-  return { number: factor * value, error: error === undefined ? undefined : factor * error, unit: shown === "1" ? "" : ` ${shown}` };
+// The unit and factor in which a quantity is shown whose largest number is `size`; its choices come from the one table of units.
+function shownAs({ choices }, size) {
+  const fits = Number.isFinite(size) && size !== 0 ? choices.find(([, , least]) => Math.abs(size) >= least * (1 - 1e-12)) : choices.find(([, factor]) => factor === 1);
+  const [unit, factor] = fits ?? choices[0];
+  return { unit, factor };
+}
+// A number with its unit. of: the number that decides on the unit, if not this one.
+function quantity(value, what, error, of = value) {
+  const { unit, factor } = shownAs(what, of);
+  return { number: factor * value, error: error === undefined ? undefined : factor * error, unit: unit && ` ${unit}` };
 }
 // TOML of plain data: numbers, texts, truth values, lists, tables.
 function toml(settings) {

@@ -273,6 +273,22 @@ def test_pages_are_light_dark_and_narrow(small, browser):  # noqa: F811
 
 
 @pytest.mark.full
+def test_a_slider_is_read_in_the_unit_of_the_field(railway, opened):
+    """250 km/h is the 69.444444 m/s of the scene; 300 km/h goes into the state in m/s."""
+    page = opened(railway)
+    field = page.locator("[id='p-pantograph.speed']")
+    assert field.input_value() == "250"
+    field.fill("300")
+    field.press("Enter")
+    assert page.evaluate("state.values['pantograph.speed']") == pytest.approx(300.0 / 3.6, rel=1e-11)
+    field.fill("250")
+    field.press("Enter")
+    assert page.evaluate("state.values") == {}
+    field.fill("-400")
+    assert "km/h" in page.inner_text("[id='p-pantograph.speed-wrong']")
+
+
+@pytest.mark.full
 def test_numbers_are_printed_as_in_reports(small, opened):
     page, chance = opened(small), random.Random(1)
     pairs = [(chance.uniform(-1, 1) * 10 ** chance.randint(-6, 6), 10 ** chance.uniform(-9, 4)) for _ in range(300)]
@@ -317,7 +333,8 @@ SEEN = """() => {  // largest value of the curve as it is drawn, and as it was c
     const box = document.getElementById("curve1"), { yaxis } = box._fullLayout;
     const points = box.querySelector(".scatterlayer path.js-line").getAttribute("d").match(/[-0-9.]+,[-0-9.]+/g);
     const drawn = points.map((p) => Number(p.split(",")[1]));
-    return [yaxis.p2c(Math.min(...drawn)), Math.max(...shown.columns[document.getElementById("signal1").value])];
+    const name = document.getElementById("signal1").value, largest = Math.max(...shown.columns[name]);
+    return [yaxis.p2c(Math.min(...drawn)), largest * shownAs(data.signals.find((s) => s.name === name), largest).factor];
 }"""
 
 
