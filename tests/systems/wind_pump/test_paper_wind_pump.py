@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.wind_pump.curves import CURVES, torque_coefficient
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.plant import K1, K2, Plant, farm, heier
-from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.sizes import GEARS, crossings
+from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.sizes import GEARS, best_gear, crossings, gain
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.stresses import constant_damage, torsion
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.water import BEST, energy
 from scipy.integrate import quad, solve_ivp
@@ -103,3 +103,20 @@ def test_the_gears_at_which_the_converter_begins_to_win_and_to_lose(gear):
 def test_crossings_of_a_gain():
     assert crossings(np.array([0.0, 0.9, 1.1, 2.0, 1.1, 0.9])) == pytest.approx((math.sqrt(2.8 * 3.2), math.sqrt(8.0 * 9.0)))
     assert all(map(math.isnan, crossings(np.full(len(GEARS), 2.0))))
+
+
+def test_the_best_gear_of_a_site_is_a_maximum_and_beats_the_best_fixed_ratio():
+    """By the equilibria: gears beside it give less; the default gear at 4 m/s is one that wins, gear 2 one that loses."""
+    best = best_gear(4.0, 20.0)
+    top = gain(best, 20.0, 4.0)
+    assert top > max(gain(0.9 * best, 20.0, 4.0), gain(1.1 * best, 20.0, 4.0))
+    assert top > gain(6.0, 20.0, 4.0) > 1.2
+    assert gain(2.0, 20.0, 4.0) < 0.6
+
+
+@pytest.mark.parametrize("lever", [10.0, 40.0])
+def test_a_lever_changes_both_constants_of_the_converter(lever):
+    """2 / pi rho m a b r and 2 / pi rho² (m b² + m_y), of the defaults: rho 0.05, r 0.05 m, a 2, b 1, m_y 0.25 kg."""
+    plant = Plant(farm, 6.0, 2.4, lever=lever)
+    assert plant.k1 == pytest.approx(2.0 / math.pi * 0.05 * lever * 2.0 * 0.05, rel=1e-12)
+    assert plant.k2 == pytest.approx(2.0 / math.pi * 0.05**2 * (lever + 0.25), rel=1e-12)

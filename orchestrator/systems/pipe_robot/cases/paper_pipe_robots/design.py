@@ -16,6 +16,7 @@ from .....scene.scene import Scene
 from .... import build_scene
 from ...robots import TURN, last_speed, side_by_side
 from .balance import Design, balance, breakaway
+from .matching import matched_speed
 
 NAME = "paper-pipe-robots"
 STANDARD = Design()
@@ -59,9 +60,11 @@ def measure(runs: Runs) -> Evidence:
     for name, design in EXAMPLES.items():
         measured[f"speed.{name}"] = last_speed(runs[name], "r0", 10)
         measured[f"chart.{name}"] = balance(design).speed
+        measured[f"matched.{name}"] = _off({name: measured[f"speed.{name}"]}, {name: design})
         measured[f"share.{name}"] = abs(measured[f"speed.{name}"] - measured[f"chart.{name}"]) / balance(design).error
     even = [abs(speeds[r, 1.0]) / b for r in FREQUENCIES for b in [balance(FIRST[r, 1.0]).amplitude] if math.isfinite(b)]
     measured |= {"even": max(even), "stands": max(abs(speeds[FREQUENCIES[0], q]) for q in RATIOS)}
+    measured |= {"map.matched": _off(speeds, FIRST), "slopes.matched": _off(speeds_second, SECOND)}
     measured |= _order(runs["weaker friction"]) | _rolling(runs["rolling"])
     bad = sum(not balance(d).epsilon < GOOD for d in (*FIRST.values(), *SECOND.values()))
     return Evidence(measured, data={"bad": bad, **_maps(speeds, speeds_second), **_lines(speeds)})
@@ -120,6 +123,14 @@ def _judged(name: str, designs: Mapping[Key, Design], speeds: Mapping[Key, float
     return {f"{name}.runs": len(shares), f"{name}.inside": inside, f"{name}.worst": max(shares)}
 
 
+def _off(speeds: Mapping[Any, float], designs: Mapping[Any, Design]) -> float:
+    """Largest difference of runs from the matched pieces, over the largest rate that the exciter gives the body, F0 / (m1 w)."""
+    return max(
+        abs(speeds[key] - matched_speed(design)) * design.body * design.frequency / design.force
+        for key, design in designs.items()
+    )
+
+
 def _order(result: Result) -> dict[str, float]:
     """Slope of the relative difference over epsilon, as the friction gets weaker."""
     answers = [balance(d) for d in WEAKER]
@@ -145,6 +156,7 @@ def _rolling(result: Result) -> dict[str, float]:
     answer, speed = balance(design), last_speed(result, "robot", 10)
     ring = float(result["robot.pressing_force"][-1]) * 0.102**3 / (0.2 * 0.004)  # force R³ / (EI times 4 mm pressed in)
     return {
+        "rolling.matched": _off({"": speed}, {"": design}),
         "rolling.share": abs(speed - answer.speed) / answer.error,
         "rolling.speed": speed / answer.amplitude,
         "ring": ring,

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 DENSITY, RADIUS = 1.225, 1.5  # kg/m³, m: defaults of the turbine
 AREA = math.pi * RADIUS**2
 K1, K2 = 0.2 / math.pi, 0.10125 / math.pi  # N m s²: of the default converter, 2/pi rho m a b r and 2/pi rho² (m b² + m_y)
+LEVER, SLIDER = 20.0, 0.25  # kg, of the default converter
 Coefficient = Callable[[float], float]
 
 
@@ -32,12 +33,26 @@ def heier(ratio: float) -> float:
 
 @dataclass(frozen=True)
 class Plant:
-    """A turbine of a torque coefficient behind a gear and the averaged converter. inertias: turbine, driven shaft, kg m²."""
+    """A turbine of a torque coefficient behind a gear and the averaged converter. inertias: turbine, driven shaft, kg m².
+
+    lever: its mass, kg.
+    """
 
     coefficient: Coefficient
     gear: float
     largest_ratio: float  # tip speed ratio up to which equilibria are sought
     inertias: tuple[float, float] = (15.0, 1.0)
+    lever: float = LEVER
+
+    @property
+    def k1(self) -> float:
+        """Torque of a stalled converter over the square of the crank's speed, N m s²."""
+        return K1 * self.lever / LEVER
+
+    @property
+    def k2(self) -> float:
+        """What the driven shaft's speed takes of it, N m s²; the output's slider has a mass, too."""
+        return K2 * (self.lever + SLIDER) / (LEVER + SLIDER)
 
     def turbine_torque(self, speed: float, wind: float) -> float:
         """N.m at a speed of the turbine, rad/s, and a wind, m/s."""
@@ -46,11 +61,11 @@ class Plant:
     def pump_speed(self, speed: float, load: float) -> float:
         """Speed of the driven shaft, rad/s, at which the converter balances a load in N.m."""
         crank = self.gear * speed
-        return (K1 * crank**2 - load) / (K2 * crank)
+        return (self.k1 * crank**2 - load) / (self.k2 * crank)
 
     def equilibria(self, wind: float, load: float) -> list[tuple[float, float]]:
         """Speeds of turbine and driven shaft, rad/s, at which both balance while the pump turns, slowest first."""
-        low, high = math.sqrt(load / K1) / self.gear * (1.0 + 1e-9), self.largest_ratio * wind / RADIUS
+        low, high = math.sqrt(load / self.k1) / self.gear * (1.0 + 1e-9), self.largest_ratio * wind / RADIUS
         if high <= low:
             return []
         roots = _roots(lambda w: self.turbine_torque(w, wind) * w - load * self.pump_speed(w, load), low, high)
@@ -65,8 +80,8 @@ class Plant:
         """Derivative of the rates by both speeds, (2, 2), 1/s, at an equilibrium."""
         n, crank = self.gear, self.gear * speed
         slope = self.slope(wind, speed)
-        turbine = [slope - n**2 * K1 * pump, -n * (K1 * crank - 2.0 * K2 * pump)]
-        driven = [n * (2.0 * K1 * crank - K2 * pump), -K2 * crank]
+        turbine = [slope - n**2 * self.k1 * pump, -n * (self.k1 * crank - 2.0 * self.k2 * pump)]
+        driven = [n * (2.0 * self.k1 * crank - self.k2 * pump), -self.k2 * crank]
         return np.array([turbine, driven]) / np.array(self.inertias)[:, None]
 
     def slope(self, wind: float, speed: float) -> float:
@@ -81,8 +96,8 @@ class Plant:
     def determinant(self, wind: float, speed: float, pump: float) -> float:
         """Jt J2 det of the matrix in closed form: k2 w1 (-T') + 2 n² k1² w1² (1 - s)², s = w2 over its largest, w1 k1 / k2."""
         crank = self.gear * speed
-        share = pump * K2 / (K1 * crank)
-        return -K2 * crank * self.slope(wind, speed) + 2.0 * (self.gear * K1 * crank * (1.0 - share)) ** 2
+        share = pump * self.k2 / (self.k1 * crank)
+        return -self.k2 * crank * self.slope(wind, speed) + 2.0 * (self.gear * self.k1 * crank * (1.0 - share)) ** 2
 
 
 def _roots(function: Callable[[float], float], low: float, high: float, points: int = 500) -> list[float]:

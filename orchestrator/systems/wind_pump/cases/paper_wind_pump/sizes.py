@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
+from scipy.optimize import minimize_scalar
 
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from ..start import FREE
-from .plant import K1, RADIUS
+from .plant import AREA, DENSITY, RADIUS, Plant, farm
 from .water import BEST, CAP, LOAD, Share, best_fixed, coefficients, energy, side_by_side
 
 MEAN = 4.0  # m/s, mean wind of a site, Rayleigh
@@ -20,29 +22,43 @@ GEARS = (2.0, 2.8, 3.2, 6.0, 8.0, 9.0)  # crank over turbine; 6 is the default
 MASSES = (10.0, 20.0, 40.0)  # kg, of the lever; 20 is the default
 STEP = 0.02  # s: large gears and levers brake the turbine at a rate that 0.05 s does not resolve
 POINTS = 20  # winds of a size
-LAST = CAP * MEAN * 1.02  # m/s: beyond CAP times the mean wind the power stays
+BEYOND = CAP * 1.02  # times the mean wind, the last wind of a set: beyond CAP times it the power stays
+SITES = (3.0, 4.0, 5.0)  # m/s, mean winds for which each lever gets its best gear
+SPAN = (1.5, 14.0)  # gears among which the best one is sought
 
 
-def scenes() -> dict[tuple[float, float], Scene]:
-    """Sets side by side in winds from the converter's start on, one scene a size."""
-    return {
-        (gear, mass): side_by_side(
-            winds(gear, mass),
-            "AveragedConverter",
-            {"gear_ratio": gear, "lever_mass": mass},
-            FREE,
-            STEP,
-            f"gear {gear:g}, {mass:g} kg",
-        )
-        for gear in GEARS
-        for mass in MASSES
-    }
+def scenes() -> dict[tuple[float, ...], Scene]:
+    """Sets side by side in winds from the converter's start on, one scene a size; then the best gear of each site and lever."""
+    sized = {(mean, mass, mean): _scene(best_gear(mean, mass), mass, mean) for mean in SITES for mass in MASSES}
+    return {size: _scene(*size, MEAN) for size in scenes_of()} | sized
 
 
-def winds(gear: float, mass: float) -> np.ndarray:
+def _scene(gear: float, mass: float, mean: float) -> Scene:
+    given = {"gear_ratio": gear, "lever_mass": mass}
+    title = f"gear {gear:.3g}, {mass:g} kg, {mean:g} m/s"
+    return side_by_side(winds(gear, mass, mean), "AveragedConverter", given, FREE, STEP, title)
+
+
+@cache
+def best_gear(mean: float, mass: float) -> float:
+    """The gear with which a converter gives most at a site of a mean wind, m/s, by the equilibria of the averaged equations."""
+    ends = tuple(math.log(g) for g in SPAN)
+    return math.exp(
+        minimize_scalar(lambda g: -gain(math.exp(g), mass, mean), bounds=ends, method="bounded", options={"xatol": 1e-3}).x
+    )
+
+
+def gain(gear: float, mass: float, mean: float) -> float:
+    """Water of a year over that of the best fixed ratio, by the equilibria."""
+    plant, at = Plant(farm, gear, 2.4, lever=mass), winds(gear, mass, mean)
+    powers = [max((plant.turbine_torque(w, v) * w for w, _ in plant.equilibria(v, LOAD)), default=0.0) for v in at.tolist()]
+    return _share(at, np.array(powers) / (0.5 * DENSITY * AREA * at**3), mean) / best_fixed(mean)
+
+
+def winds(gear: float, mass: float, mean: float = MEAN) -> np.ndarray:
     """From 1 % above the wind in which the runaway turbine stalls the converter at the load, v = R sqrt(T / k1) / (n 2.4), m/s."""
-    start = RADIUS * math.sqrt(LOAD / (K1 * mass / 20.0)) / (2.4 * gear)
-    return np.geomspace(1.01 * min(start, 0.9 * LAST), LAST, POINTS)
+    start = RADIUS * math.sqrt(LOAD / Plant(farm, gear, 2.4, lever=mass).k1) / (2.4 * gear)
+    return np.geomspace(1.01 * min(start, 0.9 * BEYOND * mean), BEYOND * mean, POINTS)
 
 
 def measure(runs: Runs) -> Evidence:
@@ -54,6 +70,14 @@ def measure(runs: Runs) -> Evidence:
     low, high = crossings(standard)
     measured = {f"over.{gear:g}.{mass:g}": gain for (gear, mass), gain in over.items()}
     measured |= {"sizes.lost": float(len(lost)), "gear.low": low, "gear.high": high}
+    told = sum((gain(*size, MEAN) < 1.0) == (over[size] < 1.0) for size in scenes_of())
+    sized = {
+        (mean, mass): _water(runs[mean, mass, mean], winds(best_gear(mean, mass), mass, mean), mean) / best_fixed(mean)
+        for mean in SITES
+        for mass in MASSES
+    }
+    off = [abs(own / gain(best_gear(mean, mass), mass, mean) - 1.0) for (mean, mass), own in sized.items()]
+    measured |= {"sizes.told": float(told), "sized.least": min(sized.values()), "sized.off": max(off)}
     names = ", ".join(f"gear {gear:g} with {mass:g} kg ({over[gear, mass]:.2f})" for gear, mass in lost)
     levers = {f"lever of {m:g} kg": [over[g, m] for g in GEARS] for m in MASSES}
     return Evidence(measured, data={"names": names, "gears": GEARS, "levers": levers})
@@ -73,8 +97,13 @@ def crossings(gains: np.ndarray) -> tuple[float, float]:
     return ends[True], ends[False]
 
 
-def _water(result: Result, at: np.ndarray) -> float:
+def _water(result: Result, at: np.ndarray, mean: float = MEAN) -> float:
     """Energy of a year over the ideal."""
-    own = PchipInterpolator(at, coefficients(result, at.size), extrapolate=False)
+    return _share(at, coefficients(result, at.size), mean)
+
+
+def _share(at: np.ndarray, coefficient: np.ndarray, mean: float) -> float:
+    """Energy of a year of power coefficients in winds, m/s, over the ideal."""
+    own = PchipInterpolator(at, coefficient, extrapolate=False)
     share: Share = lambda v: np.nan_to_num(own(v))  # noqa: E731  none below the first wind; the last is beyond the cap
-    return energy(share, MEAN, 2.0, CAP) / energy(lambda v: np.full_like(v, BEST), MEAN, 2.0, CAP)
+    return energy(share, mean, 2.0, CAP) / energy(lambda v: np.full_like(v, BEST), mean, 2.0, CAP)
