@@ -110,15 +110,15 @@ def matched_speed(design: Design) -> float:
             now = _piece(design, mode, t, stretch, rate, body)
             if mode == STANDS:
 
-                def held(at: Any, now: Piece = now) -> Any:
+                def margin(at: Any, now: Piece = now) -> Any:
                     force = load(design, at, now.stretch(at), now.rate(at))
                     return np.minimum(design.forward - force, design.backward + force)
             else:
 
-                def held(at: Any, now: Piece = now, mode: int = mode) -> Any:
+                def margin(at: Any, now: Piece = now, mode: int = mode) -> Any:
                     return mode * now.body(at)
 
-            until = _first_loss(held, t, end, period / SCANNED)
+            until = _first_loss(margin, t, end, period / SCANNED)
             way += now.way(until) if mode != STANDS else 0.0
             t, stretch, rate = until, float(now.stretch(until)), float(now.rate(until))
             body = float(now.body(until)) if mode != STANDS else 0.0
@@ -135,17 +135,17 @@ def matched_speed(design: Design) -> float:
     return float(np.mean(ways[-LAST:]))
 
 
-def _first_loss(held: Any, begin: float, end: float, step: float) -> float:
+def _first_loss(margin: Any, begin: float, end: float, step: float) -> float:
     """The first instant behind `begin` at which a function falls below zero, or the end."""
     at = np.linspace(begin, end, max(2, math.ceil((end - begin) / step) + 1))
-    values = held(at)
+    values = margin(at)
     for j in np.flatnonzero(values[1:] < 0.0):
         low, high = at[j], at[j + 1]
-        if j == 0 and not held(low) > 0.0:  # it begins at zero, and rises first
+        if j == 0 and not margin(low) > 0.0:  # it begins at zero, and rises first
             inner = np.linspace(low, high, 33)[1:]
-            rises = np.flatnonzero(held(inner) > 0.0)
+            rises = np.flatnonzero(margin(inner) > 0.0)
             if not rises.size:
                 return float(np.nextafter(low + 1e-9 * step, high))
             low = inner[rises[0]]
-        return float(brentq(held, low, high, xtol=1e-15, rtol=8.9e-16))
+        return float(brentq(margin, low, high, xtol=1e-15, rtol=8.9e-16))
     return end

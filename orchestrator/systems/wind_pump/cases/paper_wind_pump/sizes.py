@@ -70,14 +70,14 @@ def measure(runs: Runs) -> Evidence:
     low, high = crossings(standard)
     measured = {f"over.{gear:g}.{mass:g}": gain for (gear, mass), gain in over.items()}
     measured |= {"sizes.lost": float(len(lost)), "gear.low": low, "gear.high": high}
-    told = sum((gain(*size, MEAN) < 1.0) == (over[size] < 1.0) for size in scenes_of())
+    predicted = sum((gain(*size, MEAN) < 1.0) == (over[size] < 1.0) for size in scenes_of())
     sized = {
         (mean, mass): _water(runs[mean, mass, mean], winds(best_gear(mean, mass), mass, mean), mean) / best_fixed(mean)
         for mean in SITES
         for mass in MASSES
     }
     off = [abs(own / gain(best_gear(mean, mass), mass, mean) - 1.0) for (mean, mass), own in sized.items()]
-    measured |= {"sizes.told": float(told), "sized.least": min(sized.values()), "sized.off": max(off)}
+    measured |= {"sizes.told": float(predicted), "sized.least": min(sized.values()), "sized.off": max(off)}
     names = ", ".join(f"gear {gear:g} with {mass:g} kg ({over[gear, mass]:.2f})" for gear, mass in lost)
     levers = {f"lever of {m:g} kg": [over[g, m] for g in GEARS] for m in MASSES}
     return Evidence(measured, data={"names": names, "gears": GEARS, "levers": levers})
