@@ -21,6 +21,8 @@ ENDS = {
     LIFTED: ("the standing foot leaves the ground: the walker falls, or would have to run", "Start it closer to a gait"),
 }
 
+ANY_END = ("the walker stands, has fallen, or its standing foot leaves the ground", "Start it closer to a gait")
+
 
 class PassiveWalker(EventComponent):
     """Two legs alike, joined at the hip, on a slope: one foot stands, the other leg swings, and a step ends with its impact.
@@ -112,7 +114,7 @@ class PassiveWalker(EventComponent):
 
     def _check(self, status: int) -> None:
         if status == OUT_OF_RANGE:
-            reason, remedy = ENDS[float(self.x[MODE])]
+            reason, remedy = ENDS.get(float(self.x[MODE]), ANY_END)
             raise StepFailed(self.name, self.t, reason, remedy)
         super()._check(status)
 

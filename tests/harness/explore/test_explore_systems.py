@@ -31,6 +31,7 @@ SCENES = {
     "friction-drive-step": (("wheels.normal_force", "wheels.friction", "controller.feed_gain"), {}, 4),
     "pipe-robot-resonance": (("straight.stiffness", "straight.damping", "stiffening.stiffness"), {}, 6),
     "wrist-motion": (("wrist.flexion_stiffness", "wrist.deviation_stiffness", "wrist.hand_mass"), {}, 6),
+    "passive-walkers": (("compass.hip_mass", "compass.leg_mass"), {"stop_time": 4.0}, 4),
     "gimbal-scan": (("body.gravity.distance", "outer_motor.resistance"), {}, 4),
 }
 

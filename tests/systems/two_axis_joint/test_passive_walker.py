@@ -8,6 +8,7 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.walker import PassiveWalker
+from cosimo.fmus.native.instance import reasons_of
 from cosimo.orchestrator.systems import read_scene
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
@@ -240,3 +241,11 @@ def test_a_ball_that_bounces_on_the_end_comes_back_by_the_square_of_the_restitut
     angles = np.array(angles)
     tops = [angles[k] for k in range(1, angles.size - 1) if angles[k - 1] < angles[k] > angles[k + 1]]
     assert np.array(tops[:3]) == pytest.approx(0.01 * 0.6 ** np.arange(1, 4), rel=1e-4)
+
+
+def test_a_native_build_has_a_message_for_each_end_of_walking():
+    """It asks for it before any run, when no end is there yet."""
+    walker = PassiveWalker()
+    walker.initialize(0.0)
+    texts = [text for _, text, _ in reasons_of(walker)]
+    assert any("leaves the ground" in text for text in texts)
