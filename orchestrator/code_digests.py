@@ -5,13 +5,17 @@ from __future__ import annotations
 import ast
 import inspect
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from uuid import uuid4
 
 from ..components.catalogue import CATALOGUE, component_class
+from ..components.core.closure import closure, module_file
+from ..components.core.kernel_sources import is_library
 from ..components.core.store import digest_of
 from .kept import Kept
 
+PACKAGE = __name__.partition(".")[0]
 _THIS_PROCESS = uuid4().hex  # code that may be another one in the next process
 
 
@@ -26,9 +30,43 @@ def _code_digests(component: str) -> list[str]:
 
         return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
     try:
-        return [_code_digest(Path(inspect.getfile(component_class(component))).read_bytes())]
-    except (OSError, TypeError):  # a class of a notebook, which no file holds
+        return _own_digests(Path(inspect.getfile(component_class(component))))
+    except (OSError, TypeError, ValueError, SyntaxError):  # a class of a notebook, which no source holds
         return [_THIS_PROCESS]
+
+
+def function_digest(function: str) -> str:
+    """Of the code of "module:name", which need not be loaded."""
+    try:
+        return digest_of(*_own_digests(_source_of(function.partition(":")[0]) or Path()))
+    except (OSError, ValueError, SyntaxError):  # no source is found
+        return _THIS_PROCESS
+
+
+def _own_digests(file: Path) -> list[str]:
+    """Of a user's source, and of all that it imports of the user's own and of components; for libraries their versions stand."""
+    return sorted(_code_digest(path.read_bytes()) for path in closure(file.resolve(), _imported))
+
+
+def _imported(module: str) -> Path | None:
+    """The source of an imported module that counts."""
+    top, *inner = module.split(".")
+    if top == PACKAGE:
+        return _source_of(module) if inner[:1] == ["components"] else None
+    file = _source_of(module)
+    return None if file is None or is_library(str(file)) else file
+
+
+def _source_of(module: str) -> Path | None:
+    """The source of a module, loaded or not: nothing is executed."""
+    top, *inner = module.split(".")
+    try:
+        spec = find_spec(top)
+    except (ImportError, ValueError):  # such as __main__
+        return None
+    folders = list((spec and spec.submodule_search_locations) or ())
+    places = [str(Path(folder, *inner)) for folder in folders] or [str(spec and spec.origin).removesuffix(".py")]
+    return next((Path(file) for place in places if (file := module_file(place)) is not None), None)
 
 
 @cache

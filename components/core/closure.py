@@ -65,14 +65,14 @@ def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: No
                     base = os.path.dirname(base)
                 base = os.path.join(base, *filter(None, module.split(".")))
                 wanted = [base, *(os.path.join(base, name) for name in names)]
-                pending += [there for place in wanted if (there := _module_file(place)) is not None]
+                pending += [there for place in wanted if (there := module_file(place)) is not None]
             else:
                 pending += [str(f) for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
     index.save()
     return {Path(path): digest for path, digest in digests.items()}
 
 
-def _module_file(place: str) -> str | None:
+def module_file(place: str) -> str | None:
     """The file of the module or package at a place; None where there is neither."""
     file = os.path.join(place, "__init__.py") if os.path.isdir(place) else place + ".py"
     return file if os.path.isfile(file) else None

@@ -27,8 +27,12 @@ def _own_module(name: str) -> Path | None:
     file = getattr(sys.modules.get(name), "__file__", None)
     if file is None or not file.endswith(".py"):
         return None
-    library = file.startswith(_LIBRARIES) or _INSTALLED.search(file)
-    return Path(file) if name.partition(".")[0] == _PACKAGE or not library else None
+    return Path(file) if name.partition(".")[0] == _PACKAGE or not is_library(file) else None
+
+
+def is_library(file: str) -> bool:
+    """Whether a source belongs to Python or to an installed package."""
+    return file.startswith(_LIBRARIES) or _INSTALLED.search(file) is not None
 
 
 @lru_cache(maxsize=1024)

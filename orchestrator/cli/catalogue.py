@@ -18,7 +18,7 @@ from .. import cache as kept
 from .common import app, output_width, print_table, print_written
 from .completion import kinds_and_systems, scene_files
 from .options import AsJson, refuse
-from .schema import place_of
+from .schema import schema_place
 
 PACKAGE = Path(__file__).parents[2]
 ACTIONS = ("show", "clear", "prune")
@@ -152,7 +152,7 @@ def schema(
     """
     from ..systems.scene_schema import scene_schema
 
-    places = dict.fromkeys([*map(place_of, files or ()), *([output] if output else [])])
+    places = dict.fromkeys([*map(schema_place, files or ()), *([output] if output else [])])
     text = json.dumps(scene_schema(), indent=1)
     if not places:
         print(text)

@@ -29,7 +29,7 @@ def with_setting_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReaso
         with status_spinner() as on_message:
             measured = accuracy(scene, budget=BUDGET, on_message=on_message)
         fronts.keep(scene, measured)
-    origin = f"measured on this machine, {fronts.place_of(scene).file}"
+    origin = f"measured on this machine, {fronts.kept_front(scene).file}"
     point = fronts.choose(measured, tolerance)
     reasons = fronts.why(point, measured, tolerance, origin)
     print(

@@ -35,7 +35,7 @@ def stale(name: str, components: Iterable[str]) -> list[str]:
     return []
 
 
-def place_of(scene: Path) -> Path:
+def schema_place(scene: Path) -> Path:
     """Where an editor looks for the schema of a scene file, which gets the line that says so if it has none."""
     if scene.suffix != ".toml" or not scene.is_file():
         raise BadInput("schema", repr(str(scene)), "a scene file, .toml")

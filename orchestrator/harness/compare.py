@@ -54,9 +54,9 @@ class FigureDifference:
 
     @property
     def within_errors(self) -> bool:
-        """Whether the numerical errors of the runs are as large as their differences."""
-        sums = self.errors[1:] + self.errors[0]
-        return bool(np.all(np.abs(self.values[1:] - self.values[0]) <= np.where(np.isfinite(sums), sums, 0.0)))
+        """Whether the numerical errors of the runs, those that are known, are as large as their differences."""
+        known = np.nan_to_num(self.errors)
+        return bool(np.all(np.abs(self.values[1:] - self.values[0]) <= known[1:] + known[0]))
 
     def shown(self, k: int) -> str:
         """The number of a run with its error."""
@@ -128,11 +128,11 @@ class Comparison:
         return texts + [f"{s.name} by {100.0 * s.share:.2g} % of its deviation" for s in wanted if not s.share <= within]
 
     def undecided(self, within: float) -> list[str]:
-        """Figures of which the numerical errors leave open whether they differ by more than this share."""
+        """Figures of which the numerical errors, those that are known, leave open whether they differ by more than this share."""
         return [
             one.name
             for one in self.figures
-            if abs(one.difference - within * float(np.nanmax(np.abs(one.values)))) < np.nansum(np.sort(one.errors)[-2:])
+            if abs(one.difference - within * float(np.nanmax(np.abs(one.values)))) < np.sort(np.nan_to_num(one.errors))[-2:].sum()
         ]
 
     def to_json(self) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     left_out = _never_covered(scene)
     if not meshes_of(scene):
         return MeshError(left_out=left_out)
-    place = place_of(scene)
+    place = kept_errors(scene)
     kept: MeshError | None = place.read(MeshError) if distances is None else None
     if kept and {*result.columns, *result.texts} <= {*kept.signals} and {*known_results(result)} <= {*kept.figures}:
         return replace(kept, quantities={}, left_out=left_out, kept=True)
@@ -111,7 +111,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     return of_meshes
 
 
-def place_of(scene: Scene) -> Kept:
+def kept_errors(scene: Scene) -> Kept:
     """Where it is kept."""
     return Kept(FOLDER, depends_on("mesh", scene, of="figures"))
 

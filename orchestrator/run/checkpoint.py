@@ -206,7 +206,7 @@ def _restore(checkpoint: Checkpoint, course: Course, parts: Mapping[str, Part], 
     course.restore(state)
     state.release()
     for name, part in parts.items():
-        part.set_state(checkpoint.parts[name])
+        part.set_state(checkpoint.parts.get(name))
 
 
 def _kinds(master: Master) -> dict[str, str]:

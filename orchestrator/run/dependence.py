@@ -10,9 +10,7 @@ A result of a scene depends on one of three parts of it. Each contains files by 
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
@@ -36,12 +34,10 @@ def depends_on(*parts: Any, of: Part = "rows") -> str:
 
 
 def source_of(function: str) -> str:
-    """Digest of the file of "module:name"; empty where there is none."""
-    with suppress(ImportError, ValueError, OSError):
-        spec = find_spec(function.partition(":")[0])
-        if spec is not None and spec.origin:
-            return digest_of(Path(spec.origin).read_bytes())
-    return ""
+    """Digest of the code of "module:name"; empty where there is none."""
+    from ..code_digests import function_digest  # which loads what builds FMUs
+
+    return function_digest(function)
 
 
 def _plain(part: Any, of: Part) -> Any:

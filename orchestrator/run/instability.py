@@ -10,7 +10,8 @@ whole (`missed`): what contacts or stops keep bounded does not grow, but nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -90,6 +91,14 @@ class InstabilityMonitor(BatchObserver):
         """The run has come to its end: raises `Unstable` where its last looks, or those of a longer end, grow beyond bounds."""
         if (grown := self._recorded.growth_at_end()) is not None:
             raise self._unstable(grown, t)
+
+    def state(self) -> list[Any]:
+        """What was recorded, for a checkpoint."""
+        return [self._calls, self._recorded]
+
+    def set_state(self, state: Sequence[Any]) -> None:
+        """Go on from a `state`."""
+        self._calls, self._recorded, self._ahead = state[0], LookRecord.restored(state[1]), None
 
     def missed(self) -> Missed | None:
         """The input that extrapolation has missed most; None where none was led."""

@@ -3,8 +3,9 @@ functions of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -108,6 +109,12 @@ class LookRecord:
         none = np.zeros((0, 2, nominal.size))
         blocks = (Blocks.of(nominal, LOOKS),) * LENGTHS
         return cls(blocks, bonds, before, none, none, None, 0, np.zeros((3, nominal.size)))
+
+    @classmethod
+    def restored(cls, data: Mapping[str, Any]) -> LookRecord:
+        """From its fields, as a file has them."""
+        blocks = {key: tuple(Blocks(**one) for one in data[key]) for key in ("blocks", "energies")}
+        return cls(**{**data, **blocks, "before": data["before"] and Sums(*data["before"])})
 
     @property
     def nominal(self) -> np.ndarray:

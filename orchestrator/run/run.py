@@ -7,13 +7,14 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from signal import SIGINT, Signals
 from time import perf_counter, process_time
+from typing import Any
 
 from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
@@ -73,7 +74,7 @@ def run(
 
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
     multiple of it, and when the run is stopped. `resume`: such a file, from which the run goes on. What it recorded before is in
-    the result, and every number is the same as without the interruption; counters of the units and `timing` start anew.
+    the result, and every number is the same as without the interruption; `timing` and messages of foreign FMUs start anew.
     `output`: a directory, into which the result is written as it comes, as with `Result.save`, so that the memory does not grow
     with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
@@ -149,6 +150,8 @@ class Run:
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message, self.log = "failed", "", ""
         self.checkpoints: Checkpoints | None = None
+        self._earlier: Mapping[str, Any] = {}  # counters and warnings of before the checkpoint that the run goes on from
+        self._begun: Counters | None = None
 
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
@@ -181,7 +184,7 @@ class Run:
         self.watch = Watch(self.course, table=self._table(past), arrays=arrays, beside=past.folder if past else None)
         if isinstance(self._interrupt, Interrupt):
             self._interrupt.halt = self.stepping.halt
-        self.observers: list[Observer] = [*self.watch.recorders, self._interrupt]
+        self.observers: list[Observer] = [*self.watch.recorders]
         if self.files is not None:
             self.files.watch(self.watch.recorders)
             self.observers.append(self.files)
@@ -196,6 +199,7 @@ class Run:
             self.observers.append(self.windows)
         if self.watch.monitor is not None:
             self.observers.append(self.watch.monitor)
+        self.observers.append(self._interrupt)  # behind all that has to have seen an instant that a checkpoint is of
         if checkpoint_every is not None and checkpoint_to is not None:
             self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, self.course, self.parts())
             self.observers.append(self.checkpoints)
@@ -218,8 +222,30 @@ class Run:
 
     def parts(self) -> dict[str, Part]:
         """All that has a state beside the scene, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.watch.signals}
-        return parts | {f"snapshots of {name}": recorder for name, recorder in self.watch.arrays.items()}
+        parts: dict[str, Part | None] = {"signals": self.watch.signals, "run": self}
+        parts |= {"monitor": self.watch.monitor, "windows": self.windows}
+        parts |= {f"snapshots of {name}": recorder for name, recorder in self.watch.arrays.items()}
+        return {name: part for name, part in parts.items() if part is not None}
+
+    def state(self) -> dict[str, Any]:
+        """What was counted and said so far, for a checkpoint."""
+        counters, no_numbers = self._counters(), [[*end, t] for end, t in self.master.no_numbers.items()]
+        return {"master": counters.master, "units": counters.units, "warnings": self._said(), "no_numbers": no_numbers}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`, behind the initialization."""
+        self._earlier, self._begun = state, self._counters()
+        for unit, name, t in state["no_numbers"]:
+            self.master.look_away((unit, name), t)
+
+    def _counters(self) -> Counters:
+        """Of the whole run."""
+        counters = Counters(master=self.master.counters(), units={n: unit.work() for n, unit in self.units.items()})
+        return work.joined(counters, self._earlier, self._begun) if self._begun is not None else counters
+
+    def _said(self) -> list[str]:
+        """Warnings of units, in this process and before the checkpoint."""
+        return list(dict.fromkeys([*self._earlier.get("warnings", ()), *(str(w.message) for w in self._caught_warnings)]))
 
     def execute(self, past: Checkpoint | None) -> None:
         """Initialize, go on from a checkpoint where there is one, and step to the end; keeps why it did not get there."""
@@ -321,11 +347,11 @@ class Run:
         except OutputFailed as error:
             self.outcome, self.message = "failed", str(error)
         info = describe_run(self.scene, coupling, self.units, self.master, self.outcome, self.message)
-        logs = {name: unit.log_messages() for name, unit in self.units.items()}
+        logs, counters = {name: unit.log_messages() for name, unit in self.units.items()}, self._counted()
         info = replace(
             info,
-            warnings=(*self._warnings(), *of_discarded(info.counters.units), *warnings_of(logs)),
-            counters=self._counted(info.counters, past),
+            warnings=(*self._warnings(), *of_discarded(counters.units), *warnings_of(logs)),
+            counters=counters,
             timing=self._timing(),
             traceback=self.log,
             signal=self._signal.name if self.outcome == "stopped" else "",
@@ -359,16 +385,14 @@ class Run:
                 info = replace(info, outcome=self.outcome, message=self.message)
         return self.watch.result(self.scene, info, directory)
 
-    def _counted(self, counters: Counters, past: Checkpoint | None) -> Counters:
+    def _counted(self) -> Counters:
         """The counters with those of the steps, and with the work of a run whose units are those of a repetition."""
         stepping = SteppingRecord(**self.stepping.report()) if isinstance(self.stepping, AdaptiveStepping) else None
-        counters = replace(counters, stepping=stepping)
+        counters = replace(self._counters(), stepping=stepping)
         if not work.as_repeated(self.scene, self.in_process):
             return counters
         compiled = stepping is None and (self.account or self.master).in_batches
-        resumed = self.scene.stop_time - past.t if past else self.scene.duration  # units count what is behind it
-        share = max(resumed, self.scene.master.step) / self.scene.duration
-        return replace(counters, work=work.counted(self.units, counters, compiled=compiled, share=share))
+        return replace(counters, work=work.counted(self.units, counters, compiled=compiled))
 
     @property
     def _now(self) -> float:
@@ -419,6 +443,6 @@ class Run:
 
     def _warnings(self) -> list[str]:
         """What a user should know."""
-        texts = self.watch.warnings(self.scene, list(dict.fromkeys(str(w.message) for w in self._caught_warnings)))
+        texts = self.watch.warnings(self.scene, self._said())
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

@@ -1,4 +1,4 @@
-"""The thresholds by which runs are judged, each with its reason. No other file has one."""
+"""The thresholds from which the numbers of a run are doubted, each with its reason; how motions are sampled stands with the sampling."""
 
 from __future__ import annotations
 

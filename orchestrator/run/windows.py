@@ -94,6 +94,8 @@ class Windows(BatchObserver):
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
         self._every = max(steps // WINDOWS_PLACES, 1)
         self._saved: list[State] = []
+        self._packed: list[dict[str, Any]] = []  # the first of them, for a file
+        self._all = True  # whether they are of the whole run
 
     def __call__(self, tick: int, t: float) -> None:
         step, rest = divmod(tick, self._stepping.stride)
@@ -121,13 +123,25 @@ class Windows(BatchObserver):
 
     def answer(self, wish: WindowsWish, rows: Chunks) -> None:
         """Repeat the windows; call it when the run has ended. rows: what it has recorded."""
-        if not self._saved or not self._names:
+        if not self._all:
+            wish.why = "the part before the checkpoint has kept none of its windows"
+        elif not self._saved or not self._names:
             wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
-            return
-        try:
-            wish.result = self.compare(rows)
-        except StepFailed as error:
-            wish.why = f"a repeated window failed: {error}"
+        else:
+            try:
+                wish.result = self.compare(rows)
+            except StepFailed as error:
+                wish.why = f"a repeated window failed: {error}"
+
+    def state(self) -> list[dict[str, Any]]:
+        """Where windows begin, for a checkpoint."""
+        self._packed += [self._course.pack(state) for state in self._saved[len(self._packed) :]]
+        return self._packed
+
+    def set_state(self, state: Sequence[dict[str, Any]] | None) -> None:
+        """Go on from a `state`; None of a run that has kept none."""
+        self._all, self._packed = state is not None, [*(state or ())]
+        self._saved = [self._course.unpack(packed) for packed in self._packed]
 
     def compare(self, recorded: Chunks) -> WindowsResult:
         """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""

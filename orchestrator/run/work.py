@@ -14,6 +14,7 @@ Beside measured CPU times of the 51 shipped scenes, 10 ns each, the model is off
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from signal import Signals
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 LARGEST = 500  # states that count: of a long wire, most are at rest or in vectors
 HAND_OVER = 50.0  # of a unit in a macro step, in compiled code
 PYTHON = 1500.0  # the same through Python: iterations, step control, events, algebraic loops
+ANEW = "iterations", "restores"  # of a master, which a process counts anew; its steps go on
 FOREIGN = 2000.0  # a call of an FMU or of a component in plain Python
 
 
@@ -55,13 +57,26 @@ def hand_overs(counters: Counters) -> int:
     return max(macro_steps(counters), int(counters.master.get("iterations", 0))) * len(counters.units)
 
 
-def counted(units: Mapping[str, Simulator], counters: Counters, *, compiled: bool, share: float = 1.0) -> float:
-    """The work of a run that has ended; compiled: whether its steps were in batches of compiled code.
-
-    share: of the run, that the units have counted; one that was resumed has the counters of its end.
-    """
+def counted(units: Mapping[str, Simulator], counters: Counters, *, compiled: bool) -> float:
+    """The work of a run that has ended; compiled: whether its steps were in batches of compiled code."""
     steps = sum(of_calls(unit, calls_of(counters.units[name])) for name, unit in units.items())
-    return steps / share + hand_overs(counters) * (HAND_OVER if compiled else PYTHON)
+    return steps + hand_overs(counters) * (HAND_OVER if compiled else PYTHON)
+
+
+def joined(counters: Counters, earlier: Mapping[str, Any], begun: Counters) -> Counters:
+    """The counters of a run that went on from a checkpoint, with those before it.
+
+    earlier: counters up to the checkpoint.  begun: those of the units and the master when they went on, which had counted their start.
+    """
+    units = {name: _sums(now, earlier["units"][name], begun.units[name]) for name, now in counters.units.items()}
+    anew = [{key: one[key] for key in ANEW if key in one} for one in (counters.master, earlier["master"], begun.master)]
+    return replace(counters, units=units, master={**counters.master, **_sums(*anew)})
+
+
+def _sums(now: Mapping[str, Any], earlier: Mapping[str, Any], begun: Mapping[str, Any]) -> dict[str, Any]:
+    sums = {key: now.get(key, 0) + earlier.get(key, 0) - begun.get(key, 0) for key in (earlier | now)}
+    shortest = [one["shortest"] for one in (now, earlier) if "shortest" in one]
+    return sums | ({"shortest": min(shortest)} if shortest else {})
 
 
 def allows(work: float, times: float, budgets: float = 1.0) -> bool:

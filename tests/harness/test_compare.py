@@ -68,6 +68,11 @@ def test_errors_say_what_a_difference_is_worth():
     comparison = Comparison((), (), (figure([2.0, 2.2], [0.1, 0.1]), figure([1.0, np.nan])), (), {}, (), ())
     assert comparison.undecided(0.05) == ["m.x"]  # 0.2 apart, 0.11 allowed, 0.2 unsure
     assert comparison.undecided(0.5) == []
+    for errors in ([0.2, np.nan, 0.0], [np.nan, 0.0, 0.2], [0.1, 0.1, np.nan]):  # those that are known count, wherever they stand
+        one = figure([2.0, 2.2, 2.1], errors)
+        assert Comparison((), (), (one,), (), {}, (), ()).undecided(0.05) == ["m.x"]
+    assert figure([2.0, 2.1], [0.2, np.nan]).within_errors
+    assert not figure([2.0, 2.1], [0.05, np.nan]).within_errors
     assert comparison.beyond(0.05) == ["m.x by 9.1 %", "m.x: only some runs have it"]
 
 

@@ -58,11 +58,11 @@ def test_a_resumed_run_gives_the_same_bits_wherever_it_writes(name, where, tmp_p
 
 def test_a_checkpoint_does_not_grow_with_the_run(tmp_path):
     sizes = []
-    for stop in (2.0, 20.0):
+    for stop in (20.0, 200.0):
         scene = read_scene({**two_masses("jacobi", 5e-3, 1), "stop_time": stop})
         run(scene, checkpoint_every=0.9 * stop, checkpoint_to=tmp_path / "c", output=tmp_path / "out")
         sizes.append((tmp_path / "c").stat().st_size)
-    assert abs(sizes[1] - sizes[0]) < 200  # bytes: digits of numbers; ten times the rows are 140 kB more
+    assert max(sizes) < 20_000  # bytes, of the monitor 320 looks at three inputs at most; all rows are 190 kB and 1.9 MB
 
 
 def test_rows_that_are_not_there_any_more_are_one_message(tmp_path):

@@ -1,6 +1,7 @@
 """Keys of kept results: a change of whatever a result depends on gives another key, and no other change does."""
 
 import importlib
+import sys
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -24,11 +25,11 @@ from cosimo.tests.support import Mass, two_masses
 KEYS = {  # of every kind of kept result of a scene, where it is kept
     "checkpoint": lambda scene: checkpoint.header(scene, SimpleNamespace(nodes=()))["digest"],
     "piece": lambda scene: Journal.place(SimpleNamespace(_folder="study"), "trial", scene).file.name,
-    "mesh": lambda scene: mesh.place_of(scene).file.name,
+    "mesh": lambda scene: mesh.kept_errors(scene).file.name,
     "case": lambda scene: mesh_place(SimpleNamespace(name="case"), [scene], [1.0]).file.name,
     "points": lambda scene: Task.of(scene, KeepSettings(), None).base,
-    "effects": lambda scene: chosen.place_of(scene, 0.01).file.name,
-    "front": lambda scene: fronts.place_of(scene).file.name,
+    "effects": lambda scene: chosen.kept_choice(scene, 0.01).file.name,
+    "front": lambda scene: fronts.kept_front(scene).file.name,
 }
 ALL = {*KEYS}
 FIGURES = {"mesh", "case", "points", "effects", "front"}  # what is computed from rows
@@ -151,7 +152,7 @@ def test_the_contents_of_files_count_and_not_their_places(file, kinds, scene, tm
     one, moved = written(tmp_path / "one", FILES), written(tmp_path / "moved", FILES)
     before = {kind: key(one) for kind, key in KEYS.items()}
     assert changed_kinds(one, moved) == set()
-    (tmp_path / "one" / file).write_text(FILES[file] + " ")
+    (tmp_path / "one" / file).write_text({"own_measures.py": "def measured(result): return 1.0"}.get(file, FILES[file] + " "))
     importlib.invalidate_caches()
     assert {kind for kind, key in KEYS.items() if key(one) != before[kind]} == kinds
 
@@ -171,6 +172,42 @@ def test_the_code_of_components_and_the_version_of_cosimo_count(scene, monkeypat
         before = {kind: key(scene) for kind, key in KEYS.items()}
         monkeypatch.setattr(dependence, name, value)
         assert all(key(scene) != before[kind] for kind, key in KEYS.items())
+
+
+OWN = {
+    "own_mass.py": "from own_law import stiffness\nfrom cosimo.tests.support import Mass\nimport own_parts.ends\n\n\n"
+    "class Own(Mass):\n    pass\n\n\ndef measured(result):\n    import own_later\n",
+    "own_law.py": "import numpy\nfrom own_table import rows\n\nstiffness = 2.0\n",
+    "own_table.py": "rows = 3\n",
+    "own_later.py": "low = 1\n",
+    "own_parts/ends.py": "from . import middle\n",
+    "own_parts/middle.py": "left = 1\n",
+    "own_other.py": "nothing = 1\n",
+}
+
+
+@pytest.mark.parametrize("file", OWN)
+def test_modules_that_a_users_own_code_imports_count(file, scene, tmp_path, monkeypatch):
+    """Also through others, within functions and packages; a digest is the same before and behind their import."""
+    for name, text in OWN.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    own = "own_mass:Own", "own_mass:measured"
+
+    def digests():
+        return code_digests.code_digest(own[0]), dependence.source_of(own[1])
+
+    function = dependence.source_of(own[1])
+    before = digests()
+    assert before[1] == function
+    (tmp_path / file).write_text(OWN[file] + "# a comment\n")
+    assert digests() == before
+    (tmp_path / file).write_text(OWN[file] + "more = 2\n")
+    after = digests()
+    assert [a != b for a, b in zip(before, after, strict=True)] == [file != "own_other.py"] * 2
+    for name in [n for n in sys.modules if n.startswith("own_")]:
+        del sys.modules[name]
 
 
 def test_code_that_no_file_holds_is_another_one_in_another_process(monkeypatch):

@@ -293,6 +293,11 @@ class Master:
         for loop, jacobian in zip(self.loops, jacobians, strict=True):
             loop.newton.jacobian = jacobian
 
+    def look_away(self, output: Endpoint, t: float) -> None:
+        """An output was no number at t, s, and is looked at no more."""
+        self.no_numbers.setdefault(output, t)
+        self.records.memory.inverse[self.positions[output]] = 0.0
+
     def check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run.
 
@@ -302,8 +307,7 @@ class Master:
             if not isfinite(value):
                 if not self.network.is_idle((unit, name)):
                     raise Runaway(unit, t, f"output {name} is {value}")
-                self.no_numbers.setdefault((unit, name), t)
-                self.records.memory.inverse[self.positions[unit, name]] = 0.0
+                self.look_away((unit, name), t)
                 continue
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
                 raise Unstable(unit, t, f"output {name} has grown to {value:.3g}")

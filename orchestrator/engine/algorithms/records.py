@@ -120,7 +120,7 @@ REQUEST, _ = _record("""
     whole            i  whether the rows are a macro step
     updated          i  whether outputs have moved
     rows             i  address for the signals behind each, (steps, S); 0: none of what follows is wanted
-    given            i  address for what bonded links were given in each, (steps, B, 4)
+    given            i  address for what bonded links were given in each, (steps, B, 5)
     watched          i  address of addresses of further numbers
     watches          i  how many
     outputs          i  address for them, (steps, watches)

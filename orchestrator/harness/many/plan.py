@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 
 from ....components.core.columns import read_table
 from ....components.core.errors import BadInput
+from ...run.dependence import depends_on
 from ...scene.names import declared, measure_of, parameter_of
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
@@ -76,22 +77,45 @@ class Points:
             texts.append("with correlations, a Latin hypercube keeps its even spacing in the first of the correlated names only")
         return [*texts, *self.doubts]
 
-    def digests(self, base: str) -> np.ndarray:
-        """(n,) 64-bit numbers: of a point's values on the background of `base`, what else results depend on."""
+    def digests(self, base: str, scene: Callable[[], Scene]) -> np.ndarray:
+        """(n,) 64-bit numbers: of a point's values on the background of `base`, what else results depend on.
+
+        scene: that is run. A choice that may name a file, or code, counts with the scene that it makes, and so with their contents.
+        """
         names = sorted(self.columns)
-        texts = {
-            n: [json.dumps(c, sort_keys=True) for c in column.choices] if column.choices is not None else None
-            for n, column in self.columns.items()
-        }
+        texts = {n: [json.dumps(c, sort_keys=True) for c in column.choices or ()] for n, column in self.columns.items()}
+        written = [n for n, column in self.columns.items() if any(map(_has_text, column.choices or ()))]
+        own = scene() if written else None
+        contents: dict[tuple[int, ...], str | None] = {}
         digests = np.empty(self.size, dtype=np.int64)
         for i in range(self.size):
             whole = hashlib.blake2b(base.encode(), digest_size=8)
             for name in names:
-                column, known = self.columns[name], texts[name]
-                value = known[int(column.numbers[i])] if known is not None else float(column.numbers[i]).hex()
+                column = self.columns[name]
+                value = float(column.numbers[i]).hex() if column.choices is None else texts[name][int(column.numbers[i])]
                 whole.update(f"\n{name}={value}".encode())
+            if own is not None:
+                places = tuple(int(self.columns[n].numbers[i]) for n in written)
+                if places not in contents:
+                    contents[places] = _contents(own, {n: self.columns[n].value(i) for n in written})
+                text = contents[places] or _contents(own, self.values(i)) or ""  # which is refused when it is run
+                whole.update(text.encode())
             digests[i] = int.from_bytes(whole.digest(), "little", signed=True)
         return digests
+
+
+def _has_text(value: Any) -> bool:
+    if isinstance(value, Mapping | list | tuple):
+        return any(map(_has_text, value.values() if isinstance(value, Mapping) else value))
+    return isinstance(value, str)
+
+
+def _contents(scene: Scene, values: Mapping[str, Any]) -> str | None:
+    """What the scene with some values depends on, by its content; None where it is refused."""
+    try:
+        return depends_on(scene.with_changes(values), of="figures")
+    except (BadInput, OSError):
+        return None
 
 
 def plan_settings(

@@ -29,6 +29,7 @@ from .repetition import blurred
 METHODS = ("sobol", "morris")
 LEVELS = 4  # of Morris' grid
 MARGIN = 0.01  # Morris: of the probability at either end, where quantiles may be infinite
+WITHIN = 1.0 - 2.0 * MARGIN  # what is left, by which steps of its grid are shorter than SALib takes them for
 CONFIDENCE = 0.95
 RESAMPLES = 500  # of the bootstrap
 FEWEST_BLOCKS = 8
@@ -127,8 +128,7 @@ def sensitivity(
     names, chosen = for_columns(scene, settings, quantities, "sensitivity")
     problem = {"num_vars": len(settings.vary), "names": list(settings.vary), "bounds": [[0.0, 1.0]] * len(settings.vary)}
     cube = sample(problem, method, samples, settings.seed)
-    points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
-    runs = sweep(scene, chosen, directory, columns=names, cube=np.clip(points, SMALLEST, 1.0 - SMALLEST), **how)
+    runs = sweep(scene, chosen, directory, columns=names, cube=np.clip(cube, SMALLEST, 1.0 - SMALLEST), **how)
     indices: list[Index] = []
     constant: list[str] = []
     blocks = 0
@@ -144,7 +144,7 @@ def sensitivity(
 
 
 def sample(problem: Mapping[str, Any], method: str, samples: int, seed: int) -> np.ndarray:
-    """(samples * block, d) points of the unit cube."""
+    """(samples * block, d) points of the unit cube; those of Morris' grid are at least MARGIN from its faces."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # n is no power of two
         if method == "sobol":
@@ -153,7 +153,7 @@ def sample(problem: Mapping[str, Any], method: str, samples: int, seed: int) -> 
             return np.asarray(sobol.sample(dict(problem), samples, calc_second_order=False, seed=seed))
         from SALib.sample import morris
 
-        return np.asarray(morris.sample(dict(problem), samples, num_levels=LEVELS, seed=seed))
+        return MARGIN + WITHIN * np.asarray(morris.sample(dict(problem), samples, num_levels=LEVELS, seed=seed))
 
 
 def analyse(
@@ -193,5 +193,5 @@ def analyse(
                 dict(problem), cube[kept], y, num_resamples=RESAMPLES, conf_level=CONFIDENCE, num_levels=LEVELS, seed=seed
             )
             star, half, sigma = (np.asarray(r[key], dtype=float) for key in ("mu_star", "mu_star_conf", "sigma"))
-            rows = np.stack([star, half, sigma, np.full(d, np.nan)], axis=1)
+            rows = np.stack([star, half, sigma, np.full(d, np.nan)], axis=1) / WITHIN
     return rows, int(whole.sum())

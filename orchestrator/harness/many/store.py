@@ -210,7 +210,7 @@ class StoredPlan:
     @cached_property
     def digests(self) -> np.ndarray:
         """(n,) of the points."""
-        return self.plan.digests(self.task.base)
+        return self.plan.digests(self.task.base, self.task.scene)
 
     def missing(self, retry: bool = False) -> np.ndarray:
         """Places of points without a row, in the plan's order, equal points once; `retry`: a failed one counts as missing."""

@@ -49,7 +49,7 @@ class Choice:
 
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
-    place = place_of(scene, tolerance)
+    place = kept_choice(scene, tolerance)
     if (data := place.read()) is None:
         return keep(effects(scene, tolerance, on_message=on_message))
     return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), place.file, False)
@@ -58,12 +58,12 @@ def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = l
 def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
     on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
-    place = place_of(study.scene, study.tolerance)
+    place = kept_choice(study.scene, study.tolerance)
     place.write({"on": on, "why": why, "error": study.least.error})
     return Choice(on, why, study.least.error, place.file, True)
 
 
-def place_of(scene: Scene, tolerance: float) -> Kept:
+def kept_choice(scene: Scene, tolerance: float) -> Kept:
     """Where the set of a scene is kept."""
     return Kept("effects", depends_on(scene, scene.study.effects, tolerance, of="figures"))
 

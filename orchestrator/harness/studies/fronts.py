@@ -17,21 +17,21 @@ from .accuracy import Accuracy, Point
 from .quantities import percent
 
 
-def place_of(scene: Scene) -> Kept:
+def kept_front(scene: Scene) -> Kept:
     """Where the front of a scene is kept: by its model, length and quantities of interest, whatever its settings."""
     return Kept("fronts", depends_on(scene, of="model"))
 
 
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache; the place of its file."""
-    place = place_of(scene)
+    place = kept_front(scene)
     place.write(measured)
     return place.file
 
 
 def kept(scene: Scene) -> Accuracy | None:
     """The front of the scene that was measured on this machine, if it was."""
-    if (data := place_of(scene).read()) is None:
+    if (data := kept_front(scene).read()) is None:
         return None
     return Accuracy(**{**data, "points": tuple(Point(**point) for point in data["points"])})
 

@@ -56,9 +56,22 @@ def test_morris_effects_of_a_linear_function():
     """Elementary effects are the coefficients, and have no scatter."""
     pytest.importorskip("SALib")
     cube = sample(ISHIGAMI, "morris", 10, 1)
+    assert cube.min() > 0.0
+    assert cube.max() < 1.0  # where quantiles are finite
     rows, _ = analyse(ISHIGAMI, "morris", cube, cube @ np.array([3.0, -2.0, 0.0]), 1)
     np.testing.assert_allclose(rows[:, 0], [3.0, 2.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(rows[:, 2], 0.0, atol=1e-9)
+
+
+def test_morris_effects_of_a_scene_are_changes_per_range():
+    """2 a + b over ranges of 3 and 0.5: effects of 6 and 0.5, with no scatter."""
+    pytest.importorskip("SALib")
+    vary = {"f.a": {"distribution": "uniform", "low": 1.0, "high": 4.0}, "f.b": UNIT | {"high": 0.5}}
+    answer = sensitivity(
+        read_scene(formula()), {"vary": vary}, quantities=["f.linear, end"], method="morris", samples=8, verify=False
+    )
+    np.testing.assert_allclose([i.first for i in answer.indices], [6.0, 0.5], rtol=1e-9)
+    np.testing.assert_allclose([i.total for i in answer.indices], 0.0, atol=1e-9)
 
 
 def test_sensitivity_of_a_scene(tmp_path):

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,9 +15,15 @@ import numpy as np
 import pytest
 import tomli_w
 from cosimo.components.core.errors import BadInput
+from cosimo.fmus.build import built
 from cosimo.orchestrator.harness.many import cluster, execute
 from cosimo.orchestrator.harness.many.cluster import KILLED
 from cosimo.orchestrator.harness.many.fitting import fit
+from cosimo.orchestrator.harness.many.measures import Task
+from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
+from cosimo.orchestrator.harness.many.store import StoredPlan
+from cosimo.orchestrator.run import dependence
+from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import scene
@@ -99,6 +106,80 @@ def test_a_second_call_computes_what_is_missing(tmp_path):
     assert other.computed == 4  # of another scene
     with pytest.raises(BadInput, match="Latin hypercube cannot"):
         sweep(read_scene(scene()), plan | {"method": "latin-hypercube"}, tmp_path, add=1)
+
+
+OWN_UNIT = """from cosimo.tests.harness.many.points import Formula
+from slope import parameter
+
+
+class Own(Formula):
+    needed = parameter
+"""
+SLOPE = """from cosimo.components.core.variables import parameter as declared
+
+parameter = declared(1.0, "m", "of a file beside the component")
+"""
+
+
+def test_choices_of_files_count_by_what_is_in_them(tmp_path, monkeypatch):
+    """Tables over time, FMUs, code of one's own with what it imports, as a setting, as a whole unit, and with values without which
+    the scene is refused. A point of a file that has not changed is not run again."""
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "mine.py").write_text(OWN_UNIT)
+    (tmp_path / "slope.py").write_text(SLOPE)
+    tables = [tmp_path / "one.csv", tmp_path / "two.csv"]
+    for table in tables:
+        table.write_text("time [s],value [m]\n0,1\n2,3\n")
+    shutil.copy(built("PlanarLink"), tmp_path / "link.fmu")
+    with_table = read_scene({**MASS, "units": {**MASS["units"], "road": {"signals": str(tables[0])}}})
+    formula = read_scene({"stop_time": 1.0, "units": {"f": {"component": f"{HERE}:Formula"}}, "master": {"step": 1.0}})
+    unit = {"component": "mine:Own", "parameters": {"needed": 2.0}}
+
+    def digests(of, method="grid", **vary):
+        dependence._code.cache_clear()  # as in another process
+        plan = plan_of(of, plan_settings({"method": method, "vary": {n.replace("__", "."): v for n, v in vary.items()}}))
+        return StoredPlan(Task.of(of, KeepSettings(), None), plan, None).digests
+
+    def all_digests():
+        return {
+            "table": digests(with_table, units__road__signals=[*map(str, tables)], m__k=[1.0, 2.0]),
+            "whole unit": digests(with_table, units__road=[{"signals": str(t)} for t in tables]),
+            "code": digests(formula, units__f__component=[f"{HERE}:Formula", "mine:Own"]),
+            "code with values": digests(formula, "list", units__f=[unit], f__needed=[3.0]),
+            "needed values": digests(
+                formula, "list", units__f__component=[f"{HERE}:Formula", "mine:Own"], units__f__parameters=[{}, {"needed": 1.0}]
+            ),
+            "FMU": digests(with_table, units__road=[{"fmu": str(tmp_path / "link.fmu")}, {"signals": str(tables[0])}]),
+            "numbers": digests(with_table, m__k=[1.0, 2.0]),
+        }
+
+    before = all_digests()
+    assert {name: len({*one}) for name, one in before.items()} == {name: one.size for name, one in before.items()}
+    tables[1].write_text("time [s],value [m]\n0,1\n2,5\n")
+    (tmp_path / "slope.py").write_text(SLOPE.replace("1.0", "1.5"))
+    with (tmp_path / "link.fmu").open("ab") as file:
+        file.write(b" ")
+    after = all_digests()
+    same = {name: (one == after[name]).tolist() for name, one in before.items()}
+    assert same == {
+        "table": [True, True, False, False],
+        "whole unit": [True, False],
+        "code": [True, False],
+        "code with values": [False],
+        "needed values": [True, False],
+        "FMU": [False, True],
+        "numbers": [True, True],
+    }
+
+
+def test_a_sweep_over_tables_runs_those_again_that_have_changed(tmp_path):
+    table = tmp_path / "one.csv"
+    road = {"stop_time": 2.0, "units": {"road": {"signals": str(table)}}, "master": {"step": 1.0}}
+    plan = {"vary": {"units.road.signals": [str(table)]}}
+    for end in (3.0, 5.0):
+        table.write_text(f"time [s],value [m]\n0,1\n2,{end}\n")
+        swept = sweep(read_scene(road | {"record": {"signals": ["road.value"]}}), plan, tmp_path / "out", verify=False)
+        assert swept.measures["road.value, maximum"].tolist() == [end]
 
 
 def test_failed_points_run_again_wherever_they_are_computed(tmp_path, monkeypatch):

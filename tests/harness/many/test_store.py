@@ -101,7 +101,7 @@ def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
     for n in (4096, 16384):  # the first one imports what is needed
         plan = plan_of(SCENE, plan_settings({"method": "random", "points": n, "vary": {"f.a": uniform, "f.b": uniform}}))
         rows = Store.of(task, tmp_path / str(n))
-        digests = plan.digests(task.base)
+        digests = plan.digests(task.base, task.scene)
         for first in range(0, n, 1024):
             some = digests[first : first + 1024].tolist()
             rows.append([(d, PointResult("done", "", KeyResults({f"f.x{k}": float(k) for k in range(5)}))) for d in some])

@@ -11,7 +11,7 @@ from cosimo.orchestrator.cli import choices
 from cosimo.orchestrator.cli.choices import is_verified
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
-from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, place_of
+from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, kept_front
 from cosimo.orchestrator.harness.studies.quantities import distances, recording
 from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.orchestrator.run.run_record import RunRecord, VerificationRecord
@@ -45,7 +45,7 @@ def test_a_kept_front_is_found_again(cache):
     assert repr(kept(SCENE).points) == repr(measured.points)  # NaN is no NaN's equal
     assert repr(kept(SCENE)) == repr(measured)
     assert kept(SCENE).agreement == measured.agreement
-    assert path == place_of(SCENE).file
+    assert path == kept_front(SCENE).file
     assert kept(SCENE.with_changes({"stop_time": 0.6})) is None
     path.write_text("[]", encoding="utf-8")
     assert kept(SCENE) is None
