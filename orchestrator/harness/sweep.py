@@ -123,6 +123,8 @@ def sweep(
             kept=directory is not None,
             computed=missing.size,
             verify=verify and stopped is None,
+            jobs=jobs,
+            cluster=cluster,
         )
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
@@ -176,13 +178,16 @@ def collected_sweep(
     kept: bool = True,
     computed: int = 0,
     verify: bool = False,
+    jobs: int | None = 1,
+    cluster: str = "",
 ) -> Sweep:
-    """The points as they lie in their store, with table and data set where the folder is kept; `verify`: some are run again."""
+    """The points as they lie in their store, with table and data set where the folder is kept; `verify`: some are run again, by
+    `jobs` or a `cluster`."""
     collected = collect(scene, points)
     repeated = None
     if verify:
         chosen = ends_and_some(points.plan, collected.done)
-        repeated = compared(chosen, repeat(points, chosen), collected.measures)
+        repeated = compared(chosen, repeat(points, chosen, jobs, cluster), collected.measures)
     files: list[Path] = []
     if kept:
         verification = {} if repeated is None else {"verification": repeated.to_json()}

@@ -27,7 +27,7 @@ from ..opened.compile_ahead import compile_ahead, wanted_by
 from ..opened.open_scene import Course, OpenScene
 from ..output import UNFINISHED, locked, not_written
 from ..scene.scene import Scene
-from ..scene.shorter_steps import MadeRun, asked_for, note_runs
+from ..scene.shorter_steps import Alterations, MadeRun, alterations_inside, note_runs
 from ..settings.study import wanted
 from ..settings.units import without_home
 from ..units.discarded import warnings_of as of_discarded
@@ -64,6 +64,7 @@ def run(
     windows: WindowsWish | None = None,
     remedy: Remedy | None = None,
     fmu_log: str = DEFAULT,
+    alterations: Alterations | None = None,
 ) -> Result:
     """Simulate a scene to its stop_time, once: `judgement.verification.run_verified` repeats it to find the errors of its numbers.
 
@@ -83,8 +84,9 @@ def run(
     `remedy`: what would help the scene if it becomes unstable, for the message.
     `fmu_log`: the level from which on messages of foreign FMUs are kept, in `info.fmu_log` and fmu.log: none, fatal, error,
     discard, warning or info; they are counted whatever it is.
+    `alterations`: of the scene; None: those of the validation case that the run is made for.
     """
-    scene = asked_for(scene)
+    scene = (alterations if alterations is not None else alterations_inside()).altered(scene)
     with ExitStack() as stack:
         files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
         current = Run(
@@ -230,7 +232,7 @@ class Run:
     def state(self) -> dict[str, Any]:
         """What was counted and said so far, for a checkpoint."""
         counters, no_numbers = self._counters(), [[*end, t] for end, t in self.master.no_numbers.items()]
-        return {"master": counters.master, "units": counters.units, "warnings": self._said(), "no_numbers": no_numbers}
+        return {"master": counters.master, "units": counters.units, "warnings": self._unit_warnings(), "no_numbers": no_numbers}
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`, behind the initialization."""
@@ -243,7 +245,7 @@ class Run:
         counters = Counters(master=self.master.counters(), units={n: unit.work() for n, unit in self.units.items()})
         return work.joined(counters, self._earlier, self._begun) if self._begun is not None else counters
 
-    def _said(self) -> list[str]:
+    def _unit_warnings(self) -> list[str]:
         """Warnings of units, in this process and before the checkpoint."""
         return list(dict.fromkeys([*self._earlier.get("warnings", ()), *(str(w.message) for w in self._caught_warnings)]))
 
@@ -443,6 +445,6 @@ class Run:
 
     def _warnings(self) -> list[str]:
         """What a user should know."""
-        texts = self.watch.warnings(self.scene, self._said())
+        texts = self.watch.warnings(self.scene, self._unit_warnings())
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

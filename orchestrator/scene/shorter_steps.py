@@ -19,6 +19,31 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+class Alterations(NamedTuple):
+    """How runs differ from their scenes, so that their numerical errors, and those of parameters, are seen.
+
+    parts: of each macro step and each internal step, with rows at the same times.  coarser: times the length of elements.  moves:
+    standard deviations of their tolerances that parameters, "unit.parameter", are moved by, where a scene has these.
+    """
+
+    parts: int = 1
+    coarser: int = 1
+    moves: tuple[tuple[str, float], ...] = ()
+
+    def changes(self, scene: Scene) -> dict[str, Any]:
+        """To a scene, by name. Raises `BadInput` for a mesh that is too coarse."""
+        changes = shorter(scene, self.parts, denser=False) if self.parts > 1 else {}
+        changes |= coarser(scene, self.coarser) if self.coarser > 1 else {}
+        if self.moves and (tolerances := tolerances_of(scene)) is not None:
+            by_name = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
+            changes |= {name: value + dict(self.moves)[name] * d for name, value, d in by_name if name in dict(self.moves)}
+        return changes
+
+    def altered(self, scene: Scene) -> Scene:
+        """The scene as it is to be run."""
+        return scene.with_changes(changes) if (changes := self.changes(scene)) else scene
+
+
 class MadeRun(NamedTuple):
     """scene: as it was run.  work: counted, see `run.work`; None where its components were FMUs, which do not count."""
 
@@ -26,22 +51,8 @@ class MadeRun(NamedTuple):
     work: float | None
 
 
-class RunsInside(NamedTuple):
-    """How every run inside of `runs_with` differs from its scene.
-
-    parts: of each macro step and each internal step, with rows at the same times.  coarser: times the length of elements.  moves:
-    standard deviations of their tolerances that parameters, "unit.parameter", are moved by, where a scene has these.
-    noted: the runs that were made.
-    """
-
-    parts: int = 1
-    coarser: int = 1
-    moves: tuple[tuple[str, float], ...] = ()
-    noted: list[MadeRun] | None = None
-
-
-AS_THEY_ARE = RunsInside()
-_inside: ContextVar[RunsInside] = ContextVar("how runs differ from their scenes", default=AS_THEY_ARE)
+# of the runs that a function of a validation case makes, whoever wrote it and however it makes them; and where they are noted
+_inside: ContextVar[tuple[Alterations, list[MadeRun] | None]] = ContextVar("runs inside", default=(Alterations(), None))
 
 
 def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
@@ -130,50 +141,36 @@ def shorter(scene: Scene, parts: int, *, denser: bool = True, inside: bool = Tru
 
 @contextmanager
 def runs_with(**changes: Any) -> Iterator[None]:
-    """Every run inside is made so, by the fields of `RunsInside`; others stay. Raises `BadInput` there for a mesh that is too coarse."""
-    token = _inside.set(_inside.get()._replace(**changes))
+    """Every run inside is made so, by the fields of `Alterations`; others stay."""
+    alterations, noted = _inside.get()
+    token = _inside.set((alterations._replace(**changes), noted))
     try:
         yield
     finally:
         _inside.reset(token)
 
 
+def alterations_inside() -> Alterations:
+    """Those that `runs_with` asks for: who makes runs elsewhere, in threads and processes, takes them along."""
+    return _inside.get()[0]
+
+
 @contextmanager
 def made_runs() -> Iterator[list[MadeRun]]:
     """The runs that are made inside, those that `kept_runs` need not make again among them."""
     runs: list[MadeRun] = []
+    token = _inside.set((alterations_inside(), runs))
     try:
-        with runs_with(noted=runs):
-            yield runs
+        yield runs
     finally:
+        _inside.reset(token)
         note_runs(runs)
 
 
 def note_runs(runs: Iterable[MadeRun]) -> None:
     """Runs that have ended, for `made_runs`."""
-    if (noted := _inside.get().noted) is not None:
+    if (noted := _inside.get()[1]) is not None:
         noted += runs
-
-
-def asked_for(scene: Scene) -> Scene:
-    """The scene as it is to be run: as it is, or with what `runs_with` asks for."""
-    changes = _asked(scene)
-    return scene.with_changes(changes) if changes else scene
-
-
-def altered_by_request(scene: Scene) -> set[str]:
-    """Settings of the scene that `runs_with` asks to be others: those of a point are altered behind its own values."""
-    return set(_asked(scene))
-
-
-def _asked(scene: Scene) -> dict[str, Any]:
-    parts, factor, moves, _ = _inside.get()
-    changes = shorter(scene, parts, denser=False) if parts > 1 else {}
-    changes |= coarser(scene, factor) if factor > 1 else {}
-    if moves and (tolerances := tolerances_of(scene)) is not None:
-        by_name = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
-        changes |= {name: value + dict(moves)[name] * deviation for name, value, deviation in by_name if name in dict(moves)}
-    return changes
 
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
@@ -182,7 +179,7 @@ def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def kept(*args: P.args, **kwargs: P.kwargs) -> R:
-        key = (_inside.get()[:-1], args, tuple(kwargs.items()))
+        key = (alterations_inside(), args, tuple(kwargs.items()))
         if key not in known:
             with made_runs() as runs:
                 known[key] = function(*args, **kwargs), runs

@@ -135,7 +135,7 @@ class Evaluations:
         rows = self(points)
         names = list(dict.fromkeys(n for row in rows for n in row.numbers))
         numbers = dict(zip(names, np.array([row.numbers.at(names) for row in rows]).T, strict=True))
-        again = repeat(self._stored(points), range(len(points)))
+        again = repeat(self._stored(points), range(len(points)), self._computing.jobs, self._computing.cluster)
         return [again.get(k) for k in range(len(points))], compared(range(len(points)), again, numbers)
 
     def _stored(self, points: Sequence[np.ndarray]) -> StoredPlan:

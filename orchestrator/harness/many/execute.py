@@ -92,7 +92,7 @@ class Computing:
     ):
         if jobs is not None and jobs < 1:
             raise BadInput("--jobs", str(jobs), "at least 1")
-        self._task, self._jobs, self._cluster, self._observe = task, jobs, cluster, observe
+        self._task, self.jobs, self.cluster, self._observe = task, jobs, cluster, observe
         self._stack = ExitStack()
         self._threads = [self._opened_scene()]  # the first one for this thread, too
         self._workers: Any = None
@@ -130,15 +130,15 @@ class Computing:
 
     def _rows(self, points: Iterator[Point], count: int) -> Ended:
         """The rows of so many points, as they end."""
-        jobs = self._jobs or cores()
-        if count == 1 or (jobs == 1 and not self._cluster):
+        jobs = self.jobs or cores()
+        if count == 1 or (jobs == 1 and not self.cluster):
             yield from one_by_one(self._threads[0], points)
-        elif not self._cluster and only_kernels(self._task, self._threads[0]):
+        elif not self.cluster and only_kernels(self._task, self._threads[0]):
             while len(self._threads) < jobs:
                 self._threads.append(self._opened_scene())
             yield from by_threads(self._threads[:count], points)
         else:
-            if self._jobs is None and not self._cluster:
+            if self.jobs is None and not self.cluster:
                 # what is short is done before other processes have started, and compiled for them
                 if self._until is None:
                     self._until = perf_counter() + ALONE if find_spec("distributed") else inf
@@ -148,7 +148,7 @@ class Computing:
                 from .cluster import Workers
 
                 if self._workers is None:
-                    self._workers = self._stack.enter_context(closing(Workers(jobs, self._cluster)))
+                    self._workers = self._stack.enter_context(closing(Workers(jobs, self.cluster)))
                 yield from self._workers.rows(self._task, chain([first], points))
 
 

@@ -16,6 +16,7 @@ from ...run.instability import unfollowed
 from ...run.key_results import STATISTICS, KeyResults, after_transient
 from ...run.results import Result
 from ...scene.scene import KnownSystems, Scene, read_scene
+from ...scene.shorter_steps import Alterations, alterations_inside
 from ...settings.plan import KeepSettings
 from ..analysis.sections import section as section_of
 from ..studies.quantities import TimeHistory, quantities_of, recording
@@ -59,6 +60,7 @@ class Task:
 
     data, name: of the scene.  systems: that it knows.
     base: digest of what the results of all points depend on: scene, what is kept, own code, version.
+    alterations: of the scene at every point, behind the point's values.
     """
 
     data: Mapping[str, Any]
@@ -67,6 +69,7 @@ class Task:
     keep: KeepSettings
     summarize: Summarize | None
     base: str
+    alterations: Alterations
 
     @classmethod
     def of(cls, scene: Scene, keep: KeepSettings, summarize: Summarize | None) -> Task:
@@ -75,9 +78,9 @@ class Task:
         for text in keep.functions:
             function_of(text)
         summarize = summarize if keep.summary else None
-        functions = {text: source_of(text) for text in keep.functions}
-        key = depends_on(scene, keep.model_dump(mode="json"), summarize is not None, functions, of="figures")
-        return cls(scene.settings(), scene.name, scene.systems, keep, summarize, key[:16])
+        functions, alterations = {text: source_of(text) for text in keep.functions}, alterations_inside()
+        key = depends_on(scene, keep.model_dump(mode="json"), summarize is not None, functions, alterations, of="figures")
+        return cls(scene.settings(), scene.name, scene.systems, keep, summarize, key[:16], alterations)
 
     def scene(self) -> Scene:
         """The scene, read anew, without the snapshots, which nothing but a function of one's own can read."""

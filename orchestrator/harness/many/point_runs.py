@@ -18,7 +18,6 @@ from ...run.run import Run, run
 from ...run.run_record import RunRecord, UnitRecord
 from ...run.watch import Watch
 from ...scene.names import displaced, parameter_of
-from ...scene.shorter_steps import altered_by_request, asked_for
 from .measures import PointResult, Task, row_of_result
 
 log = logging.getLogger("cosimo")
@@ -56,6 +55,7 @@ class PointRuns:
 
     def __init__(self, task: Task):
         self._task, self.scene = task, task.scene()
+        self._altered = set(task.alterations.changes(self.scene))  # settings, behind a point's own values
         self.stop: Stop | None = None
         self._stack, self._key = ExitStack(), ""
         self._open_scene: OpenScene | None = None
@@ -122,8 +122,8 @@ class PointRuns:
         return watch.result(scene, RunRecord(outcome="done", missed=missed, units=units))
 
     def _are_numbers(self, names: tuple[str, ...]) -> bool:
-        """Whether points that differ in these names differ in numbers alone, none of which `runs_with` asks to be another one."""
-        if altered_by_request(self.scene).intersection(names):
+        """Whether points that differ in these names differ in numbers alone, of which none is altered."""
+        if self._altered.intersection(names):
             return False
         if names not in self._numbers and all(map(self._number, names)):
             self._numbers.add(names)
@@ -133,7 +133,7 @@ class PointRuns:
         """The run with the values of a point; raises `BadInput` for one that cannot start."""
         numbers = {name: value for name, value in values.items() if self._number(name)}
         open_scene = self.open_scene({name: value for name, value in values.items() if name not in numbers})
-        if open_scene is None or not open_scene.takes(numbers) or altered_by_request(self.scene).intersection(numbers):
+        if open_scene is None or not open_scene.takes(numbers) or self._altered.intersection(numbers):
             return self._anew(values)
         try:
             scene = displaced(open_scene.first, numbers)
@@ -154,13 +154,15 @@ class PointRuns:
             self.close()
             scene = self.scene.with_changes(changed) if changed else self.scene
             if not any(kind.outside for kind in scene.kinds.values()):
-                open_scene = OpenScene(asked_for(scene), self._stack, in_process=True)
+                open_scene = OpenScene(self._task.alterations.altered(scene), self._stack, in_process=True)
                 self._open_scene = open_scene if open_scene.takes({}) else None
             self._key = key
         return self._open_scene
 
     def _anew(self, changed: Mapping[str, Any]) -> Result:
-        return run(self.scene.with_changes(changed) if changed else self.scene, in_process=True)
+        return run(
+            self.scene.with_changes(changed) if changed else self.scene, in_process=True, alterations=self._task.alterations
+        )
 
     def _number(self, name: str) -> bool:
         """Whether a setting is, by its name, a parameter that no layout depends on."""

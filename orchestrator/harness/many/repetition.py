@@ -16,7 +16,6 @@ from ....components.core.errors import BadInput
 from ...run import work
 from ...run.key_results import STATISTICS
 from ...run.thresholds import WARN
-from ...scene.shorter_steps import runs_with
 from ..summary import with_error
 from .execute import Computing
 from .measures import PointResult
@@ -99,12 +98,14 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
     return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
 
 
-def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, PointResult]:
-    """Rows with half of every step by place, of as many as their counted work allows; of one in any case."""
+def repeat(points: StoredPlan, places: Sequence[int], jobs: int | None = 1, cluster: str = "") -> dict[int, PointResult]:
+    """Rows with half of every step by place, of as many as their counted work allows; of one in any case. jobs, cluster: who
+    computes them, as of `Computing`."""
     places = _allowed(points, places)
-    half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
+    halved = replace(points.task, alterations=points.task.alterations._replace(parts=2 * points.task.alterations.parts))
+    half = StoredPlan(halved, points.plan.at(places), Store(points.store.folder / "half"))
     if (missing := half.missing()).size:
-        with runs_with(parts=2), Computing(points.task, 1) as computing:
+        with Computing(halved, jobs, cluster) as computing:
             computing(half, missing)
     return {places[k]: row for k, row in half.rows(range(len(places))).items()}
 

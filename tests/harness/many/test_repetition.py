@@ -1,6 +1,9 @@
 """Errors of many runs: what half of every step changes, against closed forms; which points are repeated, when none is."""
 
 import json
+import threading
+from collections import Counter
+from time import sleep
 
 import numpy as np
 import pytest
@@ -11,11 +14,13 @@ from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.measures import PointResult
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
+from cosimo.orchestrator.harness.many.point_runs import PointRuns
 from cosimo.orchestrator.harness.many.repetition import compared, ends_and_some
 from cosimo.orchestrator.harness.many.sensitivity import sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import uncertainty
 from cosimo.orchestrator.run import work
 from cosimo.orchestrator.run.key_results import KeyResults
+from cosimo.orchestrator.scene.shorter_steps import runs_with
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import formula
@@ -59,6 +64,44 @@ def test_repeated_points_are_kept_and_change_no_number(tmp_path, monkeypatch):
     assert without.repeated is None
     for name, values in without.measures.items():
         assert values.tobytes() == first.measures[name].tobytes()
+
+
+def test_who_computes_repeated_points_changes_no_number(monkeypatch):
+    """In this thread, by threads, and where no kernel alone steps the scene by other processes; threads share them."""
+    threads, row = set(), PointRuns.row
+
+    def seen(self, values):
+        threads.add((self._task.alterations.parts, threading.get_ident()))
+        sleep(0.01)
+        return row(self, values)
+
+    plan = {"vary": {"spring.stiffness": STIFFNESS.tolist()}}
+    one = sweep(held(), plan, jobs=1)
+    monkeypatch.setattr(PointRuns, "row", seen)
+    two = sweep(held(), plan, jobs=2)
+    assert Counter(parts for parts, _ in threads) == {1: 2, 2: 2}
+    iterated = load_scene("mass-on-spring").with_changes({"stop_time": 0.2, "master": {"algorithm": "iterative", "step": 0.01}})
+    few = {"vary": {"spring.stiffness": [50.0, 100.0, 200.0]}}
+    results = [(one, two), tuple(sweep(iterated, few, jobs=jobs) for jobs in (1, 2))]
+    for first, second in results:
+        assert len(first.repeated.points) > 2
+        assert first.repeated == second.repeated
+        assert max(first.repeated.shares.values()) > 0.0
+
+
+def test_points_of_a_case_are_altered_as_its_runs_are(tmp_path):
+    """A sweep within a function of a validation case, in threads, too; each point is altered once, and kept apart from the others."""
+    plan, asked = {"vary": {"master.step": [0.02, 0.01]}, "keep": {"quantities": [END]}}, {"jobs": 2, "verify": False}
+    whole = sweep(held(), plan, tmp_path, **asked)
+    with runs_with(parts=2):
+        half = sweep(held(), plan, tmp_path, **asked)
+    exact = sweep(held(), {**plan, "vary": {"master.step": [0.01, 0.005]}, "keep": {"quantities": [END]}}, **asked)
+    np.testing.assert_allclose(half.measures[END], exact.measures[END], rtol=1e-9)
+    assert np.abs(half.measures[END] / whole.measures[END] - 1.0).min() > 1e-3
+    with runs_with(parts=2):
+        spring = sweep(held(), {"vary": {"spring.stiffness": [50.0, 100.0]}, "keep": {"quantities": [END]}}, **asked)
+    finer = sweep(held(0.005), {"vary": {"spring.stiffness": [50.0, 100.0]}, "keep": {"quantities": [END]}}, **asked)
+    np.testing.assert_allclose(spring.measures[END], finer.measures[END], rtol=1e-9)
 
 
 def test_some_points_are_left_where_they_take_too_long(monkeypatch):
