@@ -20,6 +20,7 @@ from .charts.blocks import Answer, Block, Cells, Text
 from .charts.chart import Chart, Panel, Series
 from .charts.charts import draw_chart
 from .charts.style import number
+from .preferred_units import preferred
 from .report.page import Page, Section, write_page
 from .summary import SummaryTable, with_error
 
@@ -58,9 +59,18 @@ class FigureDifference:
         known = np.nan_to_num(self.errors)
         return bool(np.all(np.abs(self.values[1:] - self.values[0]) <= known[1:] + known[0]))
 
+    @property
+    def measure(self) -> str:
+        """The unit in which a person reads the numbers."""
+        return self._for_reader()[0]
+
+    def _for_reader(self) -> tuple[str, float]:
+        return preferred(self.unit, float(np.abs(self.values[np.isfinite(self.values)]).max(initial=0.0)), self.name)
+
     def shown(self, k: int) -> str:
-        """The number of a run with its error."""
-        return with_error(float(self.values[k]), float(self.errors[k])) if isfinite(self.values[k]) else ABSENT
+        """The number of a run with its error, in `measure`."""
+        factor = self._for_reader()[1]
+        return with_error(factor * float(self.values[k]), factor * float(self.errors[k])) if isfinite(self.values[k]) else ABSENT
 
     def to_json(self) -> dict[str, Any]:
         """A row of compare.json; numbers that are not known are null."""
@@ -167,7 +177,7 @@ class Comparison:
         rows = [
             (
                 one.name,
-                one.unit if one.unit != "1" else "",
+                one.measure,
                 *(one.shown(k) for k in range(count)),
                 f"{number(100.0 * one.share)} %" if isfinite(one.share) else ABSENT,
                 "the errors are as large" if one.within_errors and one.share else "",
@@ -212,7 +222,7 @@ class Comparison:
             [f"<Comparison of {', '.join(self.names)}>"]
             + [f"{place}: {' | '.join(texts)}" for place, texts in self.settings.items()]
             + [
-                f"{one.name}: {' | '.join(one.shown(k) for k in range(len(self.names)))} {one.unit if one.unit != '1' else ''}".rstrip()
+                f"{one.name}: {' | '.join(one.shown(k) for k in range(len(self.names)))} {one.measure}".rstrip()
                 for one in self.figures
             ]
             + [f"warning: {text}" for text in self.warnings()]
@@ -355,7 +365,7 @@ def _what(one: FigureDifference) -> str:
 def _ends(one: FigureDifference) -> str:
     """The first number and the one that is farthest from it."""
     k = 1 + int(np.nanargmax(np.abs(one.values[1:] - one.values[0])))
-    return f"{one.shown(0)} and {one.shown(k)} {one.unit if one.unit != '1' else ''}".rstrip()
+    return f"{one.shown(0)} and {one.shown(k)} {one.measure}".rstrip()
 
 
 def _charts(comparison: Comparison) -> list[Block]:

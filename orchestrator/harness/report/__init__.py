@@ -54,7 +54,6 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
         first += [Text(texts, tone)] if texts else []
     verified = result.info.verification != VerificationRecord(done=False, why="")
     first += [Text([verification_text(result.info.verification)], "settings")] if verified else []
-    first += first_page.signatures(result)
     figures, computed = _of_system(result, systems), numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):

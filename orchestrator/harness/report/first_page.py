@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..system import Systems
 
 MOST_INPUTS = 12  # of the table; all of them are at the end of the report
+SHORT = 60  # letters of a text among the key inputs
 NUMERICAL = ("substep", "element", "method")  # ends of names: the errors are about these
 _FURTHER = re.compile(r"\[(?!1\])")
 Input = tuple[str, str, str]  # unit of the scene with what the input is, value, unit of measure
@@ -27,7 +28,8 @@ Input = tuple[str, str, str]  # unit of the scene with what the input is, value,
 
 def blocks(result: Result, systems: Systems) -> list[Block]:
     """The document's data, the simulated objects and their key inputs."""
-    return [Facts("Document", list(_document(result)), beside=True), _objects(result), *_inputs(result, systems)]
+    document = Facts("Document", list(_document(result)), beside=True)
+    return [document, *signatures(result), _objects(result), *_inputs(result, systems)]
 
 
 def signatures(result: Result) -> list[Block]:
@@ -86,10 +88,16 @@ def _inputs(result: Result, systems: Systems) -> list[Facts]:
         measure = getattr(variable, "unit", "1") or "1"
         text = getattr(variable, "text", "") or name
         shown, factor = preferred(measure, abs(value), name) if isinstance(value, float) else (written(measure), 1.0)
-        cell = number(value * factor) if isinstance(value, float) else str(value)
+        cell = number(value * factor) if isinstance(value, float) else _shortened(str(value))
         rows.setdefault((text, cell, shown), []).append(unit)
     cells = [(f"{text}, {_listed(units)}", f"{value} {unit}".rstrip()) for (text, value, unit), units in rows.items()]
     return [Facts("Key inputs", cells[:MOST_INPUTS], beside=True)] if cells else []
+
+
+def _shortened(text: str) -> str:
+    """A text for a cell: of a whole table its beginning, which has its title."""
+    first = text.strip().partition("\n")[0].removeprefix("title = ").strip('"')
+    return text if first == text and len(text) <= SHORT else f"{first[:SHORT]} … (whole at the end)"
 
 
 def _listed(units: list[str]) -> str:

@@ -13,14 +13,15 @@ function draw(element, dark = wantsDark.matches) {
     if (samplesFile || document.getElementById("samples-inside")) element.on("plotly_relayout", () => refine(element, coarse));
   });
 }
-const PRINTED = 0.72; // height of a printed figure over that on a screen: two of the usual ones share a sheet
+const PRINTED = 0.66; // height of the panels of a printed figure over that on a screen: two of the usual ones share a sheet
 function flatter(element, layout) {
   if (layout.sliders?.length) { // no one moves it on paper
     layout.height -= Math.max(0, layout.margin.b - 48);
     layout.margin.b = 48;
     layout.sliders = layout.updatemenus = [];
   }
-  layout.height = Math.round(Math.min(Math.max(PRINTED * layout.height, 200), 620)); // of many panels, too, with room for others
+  const around = layout.margin.t + layout.margin.b; // legend, labels
+  layout.height = Math.round(Math.min(Math.max(PRINTED * (layout.height - around), 130) + around, 620)); // of many panels, too
   element.style.height = `${layout.height}px`;
 }
 // Lines with fewer points than there were get them back where one zooms in, from the file beside the page.

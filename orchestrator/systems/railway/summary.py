@@ -25,8 +25,8 @@ TEXTS = {
     "loss_raw": ("%", "contact loss, unfiltered force"),
     "loss_filtered": ("%", "contact loss, filtered force"),
     "arcs": ("1", "losses of contact of more than 5 ms, unfiltered force (limit of EN 50317, from memory)"),
-    "arcing": ("%", "share of the time in these"),
-    "longest_arc_ms": ("ms", "longest of these"),
+    "arcing": ("%", "share of the time with loss of contact of more than 5 ms"),
+    "longest_arc_ms": ("ms", "longest loss of contact, if of more than 5 ms"),
     "height_range_mm": ("mm", "range of the contact point's height"),
     "uplift_mm": ("mm", "maximum uplift at a support"),
 }
@@ -36,7 +36,7 @@ HEADLINE = ("mean", "std", "max", "min", "loss_raw", "uplift_mm")  # what a run 
 INPUTS = (  # what a reader of a run looks for first
     "speed",
     "static_force",
-    "line_table.file",
+    "line_table.table",
     "contact_wire_tension",
     "messenger_tension",
     "contact_wire_mass",

@@ -67,7 +67,7 @@ def _kinematics(vehicle: Vehicle, unit: RecordedUnit) -> Kinematics:
     signals = {n: f"{vehicle.unit}.{n}" for n in (*POSITION, *QUATERNION)}
     caption = (
         "East to the right, north into the picture. Blue: bow and track. Orange: thrusts, the largest {0} N. "
-        "The hull is drawn {1} times its size."
+        "Scale of the hull: {1} to 1."
     )
     return Kinematics(f"{vehicle.unit} in motion", draw, signals | thrusts, caption=caption)
 

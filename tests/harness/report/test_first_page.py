@@ -34,8 +34,8 @@ def test_a_document_says_what_it_is(result, tmp_path):
     assert f"<h1>{DOCUMENT['title']}</h1>" in body
     for text in ("Line A", "R-1", "2026-01-02", "Prepared by", "Checked by"):
         assert text in body
-    assert [body.index(text) for text in ("What was simulated", "Key inputs", "Verdict", "Prepared by")] == sorted(
-        body.index(text) for text in ("What was simulated", "Key inputs", "Verdict", "Prepared by")
+    assert [body.index(text) for text in ("Prepared by", "What was simulated", "Key inputs", "Verdict")] == sorted(
+        body.index(text) for text in ("Prepared by", "What was simulated", "Key inputs", "Verdict")
     )
 
 
@@ -59,6 +59,12 @@ def test_key_inputs_have_units_of_the_field(result):
     kmh = result.info.units["pantograph"].parameters["speed"] * 3.6
     assert speed.endswith(" km/h")
     assert float(speed.split()[0]) == pytest.approx(kmh, rel=1e-3)
+
+
+def test_a_table_among_the_inputs_is_named_by_its_title():
+    assert first_page._shortened('title = "Line A"\n[[sections]]\nstart = 0.0\n') == "Line A … (whole at the end)"
+    assert first_page._shortened("explicit") == "explicit"
+    assert len(first_page._shortened("x" * 500)) < 90
 
 
 def test_the_mean_force_stands_beside_its_limit(result):
