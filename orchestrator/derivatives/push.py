@@ -37,9 +37,21 @@ class PushedScene:
         self.block.seed()
         self.block.pace(h)
 
-    def push(self) -> None:
-        """Add tangents to all samples that inputs follow from, of the sizes of the inputs' nominal values."""
-        self.block.tangents[self._seeds, 0] += self._push
+    def push(self, along: np.ndarray | None = None) -> None:
+        """Add tangents along a direction of all cells, (n,); without one, to the samples that inputs follow from.
+
+        These are of the sizes of the inputs' nominal values.
+        """
+        if along is None:
+            self.block.tangents[self._seeds, 0] += self._push
+        else:
+            self.block.tangents[:, 0] += along
+
+    def direction(self, size: float) -> np.ndarray | None:
+        """What a push has become, (n,), over its `size`; None where nothing is left, or too much."""
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            along = (self.block.tangents[:, 0] - self.block.still[:, 0]) / size
+        return along if np.isfinite(along).all() else None
 
     def sizes(self, steps: int) -> np.ndarray:
         """Of the tangents of the signals behind each of some macro steps, over their nominal values, (n,); raises `StepFailed`."""

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..run.thresholds import EXCESS, FASTER
+from ..run.thresholds import EXCESS, FASTER, GROWN
 
 PARTS = 4  # of a stretch: the first is for transients, growth is that from the second to the last
 LARGEST = 1e250  # size up to which growth is seen
 PACE = 1.25  # from one step that is tried to the next
+STILL = 0.01  # growth along a run, as a logarithm, that is none
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Growth:
     rate: 1/s, below 0 where it decays; infinite where the run ended, which `failure` tells.
     finer: 1/s, with a quarter of the step or less.
     constant: whether the derivative of a macro step is the same all along the run.
+    fresh: both rates of pushes that begin anew in each stretch of the run, where `rate` and `finer` are those of one along the run.
+    everywhere: whether that one grows in every stretch, and faster than with a quarter of the step.
     """
 
     step: float
@@ -31,12 +34,18 @@ class Growth:
     finer: float
     constant: bool
     failure: str = ""
+    fresh: tuple[float, float] | None = None
+    everywhere: bool = False
 
     @property
     def unstable(self) -> bool:
         """Whether the coupling makes disturbances grow that would not grow so by themselves."""
-        excess = 0.0 if self.constant else EXCESS / self.duration
-        return self.rate > max(FASTER * self.finer, self.finer + excess, 0.0)
+        if self._more(*(self.fresh or (self.rate, self.finer)), 0.0 if self.constant else EXCESS):
+            return True
+        return self.everywhere and self._more(self.rate, self.finer, math.log(GROWN))
+
+    def _more(self, rate: float, finer: float, excess: float) -> bool:
+        return rate > max(FASTER * finer, finer + excess / self.duration, 0.0)
 
     @property
     def lost(self) -> float:
@@ -46,11 +55,12 @@ class Growth:
     @property
     def text(self) -> str:
         """What happens, for the reader."""
-        if self.failure or not math.isfinite(self.rate):
-            return self.failure or ("grows beyond all numbers" if self.rate > 0.0 else "leaves nothing")
-        if not self.rate:
+        rate = max(self.rate, self.fresh[0]) if self.fresh and self.unstable else self.rate
+        if self.failure or not math.isfinite(rate):
+            return self.failure or ("grows beyond all numbers" if rate > 0.0 else "leaves nothing")
+        if abs(rate) * self.duration <= (0.0 if self.constant else STILL):
             return "neither grows nor decays"
-        return f"{'grows' if self.rate > 0.0 else 'decays'} by a factor of 2.7 in {1.0 / abs(self.rate * self.step):.3g} steps"
+        return f"{'grows' if rate > 0.0 else 'decays'} by a factor of 2.7 in {1.0 / abs(rate * self.step):.3g} steps"
 
 
 class StepLimit(NamedTuple):

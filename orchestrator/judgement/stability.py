@@ -3,7 +3,9 @@
 Where the derivative of a macro step is the same all along the run, the largest absolute eigenvalue of the part that reaches from unit
 to unit decides. Where it changes, eigenvalues at an instant prove nothing: a push is followed over stretches of the run. Each
 stretch begins on a run with a quarter of the scene's step, so that no contact or stop has bounded yet what grows. The growth is the
-mean over the stretches, beside that with a quarter of the step, which shows what grows by itself.
+mean over the stretches, beside that with a quarter of the step, which shows what grows by itself. Pushes that begin anew in each
+stretch show what grows fast. One that goes on from stretch to stretch shows what grows slowly, which in a new one is hidden by all
+that decays.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import math
 from contextlib import ExitStack
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +28,7 @@ from .growth import Growth, StepLimit, growth_rate, longest_stable
 FINER = 4  # steps that one is compared with
 FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not
 STRETCHES = 12  # of a run, over which a push is followed
+LEAD = 6  # stretches, the last ones, that a push passes before: by then what grows least slowly is left of it
 FEWEST = 16  # macro steps of a stretch
 WARM = 3  # macro steps, which fill the histories of the inputs with samples of one distance
 MOST = 400  # states of units whose Jacobian is worth its time
@@ -34,24 +38,39 @@ SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked
 ROUNDING = 1e-9  # of an absolute eigenvalue
 
 
+class Rates(NamedTuple):
+    """Growth, 1/s: the mean of stretches, and of each; without stretches, of an eigenvalue.  failure: why a run ended."""
+
+    mean: float
+    stretches: tuple[float, ...] = ()
+    failure: str = ""
+
+
 class CouplingStability:
     """Of a scene of kernels in which units feed one another, for macro steps of any length."""
 
     def __init__(self, scene: Scene, stack: ExitStack):
         """`stack` closes the units. Raises `BadInput` for what has no derivatives, `StepFailed` where the scene does not start."""
         self.scene, self._pushed = scene, PushedScene(scene, stack)
-        self._known: dict[float, tuple[float, str]] = {}
+        self._known: dict[tuple[float, bool], Rates] = {}
 
     def growth(self, h: float) -> Growth:
         """Of disturbances with macro steps of h, s."""
-        (rate, failure), finer, fraction = self._rate(h), math.inf, 1
-        while finer > 0.0 and fraction < FINEST:  # a quarter of the step may be too long, too
-            finer, fraction = self._rate(h / (FINER * fraction))[0], FINER * fraction
-        return Growth(h, self.scene.duration, rate, finer, self.constant, failure)
+        new, fraction = self._rate(h), FINER
+        while (finer := self._rate(h / fraction)).mean > 0.0 and fraction < FINEST:  # a quarter of the step may be too long, too
+            fraction *= FINER
+        if self.constant or h > self.most or new.failure:
+            return Growth(h, self.scene.duration, new.mean, finer.mean, self.constant, new.failure)
+        along, shorter = (self._rate(step, anew=False) for step in (h, h / FINER))
+        everywhere = all(a > max(b, 0.0) for a, b in zip(along.stretches, shorter.stretches, strict=False))
+        fresh = new.mean, finer.mean
+        return Growth(h, self.scene.duration, along.mean, shorter.mean, False, along.failure, fresh, everywhere)
 
     def grows(self, h: float) -> str:
         """What disturbances do with macro steps of h, s, where the coupling lets them grow; "" where it does not."""
-        if self._rate(h)[0] <= 0.0:
+        if self._rate(h).mean <= 0.0 and (
+            self.constant or h > self.most or min(self._rate(h, anew=False).stretches, default=1.0) <= 0.0
+        ):
             return ""
         growth = self.growth(h)
         return growth.text if growth.unstable else ""
@@ -66,7 +85,7 @@ class CouplingStability:
     @property
     def most(self) -> float:
         """The longest macro step of which growth along the run tells that it is stable, s: with longer ones stretches leave the run."""
-        return math.inf if self.constant else self.scene.duration / (STRETCHES * FEWEST)
+        return math.inf if self.constant else self._stretch / FEWEST
 
     @property
     def constant(self) -> bool:
@@ -117,6 +136,11 @@ class CouplingStability:
         return 1.0 if abs(radius - 1.0) < ROUNDING else radius ** (1.0 / step.steps)
 
     # -- where it changes --------------------------------------------------------------------------------------------
+    @property
+    def _stretch(self) -> float:
+        """In s; half of one is left before the first and behind the last."""
+        return self.scene.duration / (STRETCHES + 1)
+
     @cached_property
     def _instants(self) -> list[Instant]:
         """The start, and where the stretches begin, of the run with a quarter of the scene's step, as far as that comes."""
@@ -124,7 +148,7 @@ class CouplingStability:
         reached = [block.save()]
         block.pace(scene.master.step / FINER)
         for k in range(STRETCHES):
-            t = scene.start_time + scene.duration * (k + 0.5) / (STRETCHES + 1)
+            t = scene.start_time + (k + 0.5) * self._stretch
             try:
                 block.advance(FINER * max(round((t - block.time) / scene.master.step), 1))
             except StepFailed:
@@ -132,26 +156,34 @@ class CouplingStability:
             reached.append(block.save())
         return reached
 
-    def _rate(self, h: float) -> tuple[float, str]:
-        """Growth with macro steps of h, 1/s; and why a run ended."""
-        if h not in self._known:
+    def _rate(self, h: float, anew: bool = True) -> Rates:
+        """With macro steps of h, s.  anew: another push in each stretch."""
+        if (h, anew) not in self._known:
             same = self._map
-            self._known[h] = self._along_the_run(h) if same is None else (math.log(self._radius(h, *same)) / h, "")
-        return self._known[h]
+            self._known[h, anew] = self._along_the_run(h, anew) if same is None else Rates(math.log(self._radius(h, *same)) / h)
+        return self._known[h, anew]
 
-    def _along_the_run(self, h: float) -> tuple[float, str]:
-        rates: list[float] = []
+    def _along_the_run(self, h: float, anew: bool) -> Rates:
         pushed, scene = self._pushed, self.scene
-        n = max(round(scene.duration / (STRETCHES * h)), FEWEST)
-        for instant in self._instants[1:] or self._instants:
-            if rates and instant.time + (n + WARM) * h > scene.stop_time:
-                break
-            pushed.back(instant, h)
+        n = max(round(self._stretch / h), FEWEST)
+        reached, fine = self._instants[1:] or self._instants, scene.master.step / FINER
+        begins = [reached[0].time + k * n * h for k in range(len(reached))]  # a push goes on at the instant that it has come to
+        begins = [t for k, t in enumerate(begins) if not k or t + (n + WARM) * h <= scene.stop_time]
+        rates: list[float] = []
+        along = None
+        for t in begins if anew else [*begins[-LEAD:], *begins]:
+            instant = next(one for one in reversed(reached) if one.time <= t)
+            pushed.back(instant, fine)
             try:
+                pushed.block.advance(round((t - instant.time) / fine))
+                pushed.block.pace(h)
                 pushed.block.advance(WARM)
-                pushed.push()
-                rates.append(growth_rate(pushed.sizes(n), h))
+                pushed.push(along)
+                sizes = pushed.sizes(n)
             except StepFailed as error:
-                return math.inf, str(error)
+                return Rates(math.inf, failure=str(error))
+            rates.append(growth_rate(sizes, h))
+            along = None if anew else pushed.direction(float(sizes[-1]))
+        rates = rates[-len(begins) :]
         left = [rate for rate in rates if rate > -math.inf]  # where units stick, nothing is left of a push
-        return (float(np.mean(left)) if left else -math.inf), ""
+        return Rates(float(np.mean(left)) if left else -math.inf, tuple(rates))

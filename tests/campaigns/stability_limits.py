@@ -20,7 +20,7 @@ from cosimo import load_scene
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.judgement.growth import limit_text
 from cosimo.orchestrator.judgement.stability import CouplingStability
-from cosimo.orchestrator.judgement.verification import run
+from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.tests.campaigns.stability_hunt import quietly
 
 SHARES = 0.8, 1.3, 2.0  # of the limit
@@ -40,7 +40,7 @@ def found(name: str) -> dict[str, Any]:
     runs: list[tuple[str, float]] = []
     for share in SHARES if 0.0 < limit.longest < math.inf else ():
         try:
-            result = quietly(run, scene.with_changes({"master.step": share * limit.longest}), verify="steps")
+            result = quietly(run_verified, scene.with_changes({"master.step": share * limit.longest}), verify="steps")
         except BadInput as error:
             runs.append((f"refused: {error}", math.nan))
             continue

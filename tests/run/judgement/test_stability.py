@@ -14,6 +14,7 @@ from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.derivatives.coupled_masses import HERE, as_kernels
 from cosimo.tests.engine.algorithms.oscillators import TwoMasses, radius
 from cosimo.tests.run.judgement.closed_form import longest_step
+from scipy.linalg import expm
 
 if COMPILED:
     from cosimo.orchestrator.judgement.stability import CouplingStability
@@ -218,6 +219,42 @@ def test_limits_of_pantograph_and_catenary(algorithm, degree, stable, unstable):
         assert not coupling.growth(stable).unstable
         assert coupling.growth(unstable).unstable
         assert coupling.growth(8.0 * unstable).unstable  # though a quarter of it is too long, too
+
+
+def nutation(h):
+    """Growth, 1/s, of a rigid gyroscope whose moments are extrapolated through two samples, each step solved exactly.
+
+    Inertia 0.22 kg.m2, spin 9 kg.m2/s, weight 8 kg at 0.15 m, as of the scene; both directions as one complex number.
+    """
+    free = np.zeros((4, 4), dtype=complex)  # angle, rate, moment, its slope
+    free[0, 1], free[1, 0], free[1, 2], free[2, 3] = 1.0, -8.0 * 9.80665 * 0.15 / 0.22, 1.0 / 0.22, 1.0
+    motion = expm(free * h)
+    extrapolated = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1], [0, 0, -1 / h, 1 / h]])  # of angle, rate, two moments
+    behind = motion @ extrapolated
+    step = np.array([behind[0], behind[1], [0, 0, 0, 1], 9.0j * behind[1]])
+    return math.log(np.abs(np.linalg.eigvals(step)).max()) / h
+
+
+@of_machine_code
+@pytest.mark.full
+@pytest.mark.parametrize(("step", "unstable"), [(5e-3, False), (8e-3, True), (1e-2, True)])
+def test_what_grows_slowly_is_not_hidden_by_what_decays(step, unstable):
+    """A gyroscope whose nutation has no damping; pushes of its bearings decay with 3 1/s, which is all that a new one shows."""
+    with ExitStack() as stack:
+        growth = CouplingStability(load_scene("gimbal-rotor"), stack).growth(step)
+    assert growth.fresh[0] < -2.0
+    assert growth.rate == pytest.approx(nutation(step), rel=0.25)
+    assert growth.unstable == unstable
+
+
+@of_machine_code
+@pytest.mark.parametrize("step", [0.02, 0.05, 0.1])
+def test_a_push_along_the_run_grows_as_the_eigenvalue_says(step):
+    scene = on_spring(4.0).with_changes({"stop_time": 60.0})
+    with ExitStack() as stack:
+        exact, followed = CouplingStability(scene, stack), CouplingStability(scene, stack)
+        followed.__dict__["_map"] = None
+        assert followed.growth(step).rate == pytest.approx(exact.growth(step).rate, rel=0.02)
 
 
 @of_machine_code
