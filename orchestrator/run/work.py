@@ -74,7 +74,7 @@ def joined(counters: Counters, earlier: Mapping[str, Any], begun: Counters) -> C
 
 
 def _sums(now: Mapping[str, Any], earlier: Mapping[str, Any], begun: Mapping[str, Any]) -> dict[str, Any]:
-    sums = {key: now.get(key, 0) + earlier.get(key, 0) - begun.get(key, 0) for key in (earlier | now)}
+    sums = {key: now.get(key, 0) + earlier.get(key, 0) - begun.get(key, 0) for key in {**earlier, **now}}
     shortest = [one["shortest"] for one in (now, earlier) if "shortest" in one]
     return sums | ({"shortest": min(shortest)} if shortest else {})
 
