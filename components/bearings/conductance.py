@@ -374,7 +374,7 @@ def conductance_outputs(t, s, p, e):
     forces, free, q = s.ring[0], s.ring[1], s.ring[2]
     forces[0], forces[2] = u[IN.radial_force], max(u[IN.axial_force], 0.0)
     q[:] = 0.0  # always the same way to the equilibrium: a repeated step is bit-identical
-    status = equilibrium(forces, free, s.contacts, places, q, (s.tangent[0], s.tangent[1], s.rows))
+    status = equilibrium(forces, free, s.contacts, places, q, (s.tangent[0], s.tangent[1], s.rows), None)
     if status != DONE:
         return status
     inner, outer, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), s.rings

@@ -26,8 +26,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel, kernel_tuple
+from .inertia import settle
 
 COS, SIN, GAP, LOAD = range(4)  # columns of `balls`
+OUTER_LOAD, INNER_ANGLE, OUTER_ANGLE = range(4, 7)  # and of balls with inertia
 LARGEST_CONTACT = 0.5  # semi-axis over the ball's radius, beyond which neither Hertz nor a half space is a model
 ENERGY, MAX_LOAD, LOADED = 5, 6, 7  # elements of `sums` behind the two forces and moments
 
@@ -72,9 +74,9 @@ def set_balls(balls, first):
         balls[j, COS], balls[j, SIN] = math.cos(beta), math.sin(beta)
 
 
-def place_balls(balls: int, first: float = 0.0) -> np.ndarray:
-    """(Z, 4): cos and sin of the balls' angles, the first one at `first` rad, no gap, no load."""
-    placed = np.zeros((balls, 4))
+def place_balls(balls: int, first: float = 0.0, columns: int = 4) -> np.ndarray:
+    """(Z, 4), with inertia (Z, 7): cos and sin of the balls' angles, the first one at `first` rad, no gap, no load."""
+    placed = np.zeros((balls, columns))
     set_balls(placed, first)
     return placed
 
@@ -106,6 +108,22 @@ def add_stiffness(k, c, s, along, turning, cos_phi, sin_phi):
 
 
 @kernel
+def add_settled(k, c, s, lever, ball):
+    """Add a ball with inertia at cos, sin = c, s to the whole of k (5, 5), which friction makes unsymmetric; ball: `Settled`."""
+    for i in range(5):
+        radial, axial = (
+            (c if i == 0 else s if i == 1 else 0.0),
+            (1.0 if i == 2 else lever * s if i == 3 else -lever * c if i == 4 else 0.0),
+        )
+        by_r, by_z = radial * ball.rr + axial * ball.zr, radial * ball.rz + axial * ball.zz
+        k[i, 0] += by_r * c
+        k[i, 1] += by_r * s
+        k[i, 2] += by_z
+        k[i, 3] += by_z * lever * s
+        k[i, 4] -= by_z * lever * c
+
+
+@kernel
 def finish_stiffness(k, lever):
     """The sum of `add_stiffness` with the tilts' lever in m, and its lower triangle."""
     for i in range(5):
@@ -116,7 +134,7 @@ def finish_stiffness(k, lever):
 
 
 @kernel
-def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, damping):
+def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, damping, inertia):
     """Forces of the balls on the inner ring; returns OUT_OF_RANGE if a ring is displaced beyond the grooves.
 
     q: (5,).  balls: (Z, 4) with cos, sin and gap in m; the load is written.  sums: (8,), written: force in N and moment in N.m
@@ -125,6 +143,9 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
     damper: a time in s or None; each contact then has a damper of `damper` times its own stiffness, which vanishes at
     touch-down, and no contact pulls. It reads velocity (5,) = dq/dt and writes damping (5, 5), or None: -d(force)/d(velocity).
     The change of such a damper with q is left out of `stiffness`: it is infinite at touch-down.
+
+    inertia: `Inertia`, or None for balls without. With it balls is (Z, 7), energy that of both races, the largest load that of either,
+    and a damper acts at the inner race, in proportion to the stiffness of the ball between both.
     """
     lever = contacts.lever
     fx, fy, fz, mx, my, energy, largest, loaded = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -139,14 +160,25 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
         axial = contacts.axial + q[2] + lever * (q[3] * s - q[4] * c)
         if radial <= 0.0:
             return OUT_OF_RANGE
-        apart = math.sqrt(radial * radial + axial * axial)
-        approach = apart - contacts.distance - balls[j, GAP]
-        if approach <= 0.0:
-            continue
-        cos_phi, sin_phi = radial / apart, axial / apart
-        root = contacts.stiffness * math.sqrt(approach)
-        load = root * approach
-        energy += 0.4 * load * approach
+        if inertia is None:
+            apart = math.sqrt(radial * radial + axial * axial)
+            approach = apart - contacts.distance - balls[j, GAP]
+            if approach <= 0.0:
+                continue
+            cos_phi, sin_phi = radial / apart, axial / apart
+            root = contacts.stiffness * math.sqrt(approach)
+            load = root * approach
+            energy += 0.4 * load * approach
+        else:
+            ball = settle(radial, axial, balls[j, GAP], inertia)
+            cos_phi, sin_phi, load = ball.cos_inner, ball.sin_inner, ball.load
+            balls[j, OUTER_LOAD], balls[j, INNER_ANGLE] = ball.outer_load, math.atan2(sin_phi, cos_phi)
+            balls[j, OUTER_ANGLE] = ball.outer_angle
+            energy += ball.energy
+            largest = max(largest, ball.outer_load)
+            if load <= 0.0:
+                continue
+            root = (cos_phi * cos_phi * ball.rr + cos_phi * sin_phi * (ball.rz + ball.zr) + sin_phi * sin_phi * ball.zz) / 1.5
         if damper is not None:
             rate = cos_phi * (velocity[0] * c + velocity[1] * s)
             rate += sin_phi * (velocity[2] + lever * (velocity[3] * s - velocity[4] * c))
@@ -156,7 +188,10 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
             if damping is not None:
                 add_stiffness(damping, c, s, damper * 1.5 * root, 0.0, cos_phi, sin_phi)
         if stiffness is not None:
-            add_stiffness(stiffness, c, s, 1.5 * root, load / apart, cos_phi, sin_phi)
+            if inertia is None:
+                add_stiffness(stiffness, c, s, 1.5 * root, load / apart, cos_phi, sin_phi)
+            else:
+                add_settled(stiffness, c, s, lever, ball)
         balls[j, LOAD] = load
         largest = max(largest, load)
         loaded += 1.0
@@ -168,7 +203,7 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
         my += along * c
     sums[0], sums[1], sums[2], sums[3], sums[4] = fx, fy, fz, lever * mx, lever * my
     sums[ENERGY], sums[MAX_LOAD], sums[LOADED] = energy, largest, loaded
-    if stiffness is not None:
+    if stiffness is not None and inertia is None:
         finish_stiffness(stiffness, lever)
     if damping is not None:
         finish_stiffness(damping, lever)

@@ -8,8 +8,8 @@ What is taken from the published model: groove geometry, Hertz contacts of both 
 films of both races under a constant nominal load, added to the balls' diameter, waves and defects of the races. What is done
 differently: the moment's lever is the one with which tilts move the contacts, so that the bearing has a potential and a
 symmetric stiffness (`published_levers` brings the published one back); the races' radii, not the contacts', enter the cage's
-speed and the levers; damping acts contact by contact. Not in it: the balls' own inertia (centrifugal force, gyroscopic
-moment), sliding, flexible rings.
+speed and the levers; damping acts contact by contact; the balls' inertia is an effect, see inertia.py. Not in it: sliding,
+flexible rings.
 
 A ball whose contact is longer than its own radius is out of the model's range. The published formulas come from public code of
 one of the authors; of the paper only the abstract was at hand. What a call costs is measured by
@@ -32,6 +32,7 @@ from ..core.variables import PARTS, choice, count, input_, integer, output, para
 from .contacts import GAP, BallContacts
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
+from .inertia import BallInertia
 from .life import LifeFactor, RatingLife
 from .loads import StaticLoads, static_loads
 from .motion import EVERYTHING
@@ -53,6 +54,7 @@ from .six_dof import (
     elastic_energy,
     place,
     present_contacts,
+    present_inertia,
 )
 
 
@@ -190,6 +192,7 @@ class DeepGrooveBearing(KernelComponent):
     thermal_growth = ThermalGrowth
     rating_life = RatingLife
     life_factor = LifeFactor
+    ball_inertia = BallInertia
 
     balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
@@ -296,7 +299,7 @@ class DeepGrooveBearing(KernelComponent):
             "constants": Constants,
             "contacts": BallContacts,
             "directions": (2, n),
-            "balls": (n, 4),
+            "balls": (n, 7 if "ball_inertia" in self.on else 4),
             "sums": 8,
             "stiffness": (5, 5),
             "damping": (5, 5),
@@ -353,7 +356,8 @@ class DeepGrooveBearing(KernelComponent):
         if e.published_levers is not None:
             load[3:] /= k.levers
         contacts = present_contacts(self.u[0], s.contacts, e.thermal_growth)
-        loads = static_loads(contacts, load, first_ball=self.x[1], held=held, gap=s.balls[:, GAP].copy())
+        inertia = present_inertia(self.u[0, SPEED], k, e.ball_inertia)
+        loads = static_loads(contacts, load, first_ball=self.x[1], held=held, gap=s.balls[:, GAP].copy(), inertia=inertia)
         return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > k.largest_load else loads
 
 

@@ -68,16 +68,20 @@ def ring_ratings(balls, gamma, inner_conformity, outer_conformity, rating):
 
 
 @kernel
-def life_share(loads, inner, outer, turning):
-    """1 / L_10r of the balls' loads, (Z,) N; inner, outer: of `ring_ratings`. turning: whether the load turns with the shaft."""
-    cubic, steeper = 0.0, 0.0
+def life_share(inner_loads, outer_loads, inner, outer, turning):
+    """1 / L_10r of the balls' loads at both rings, (Z,) N. inner, outer: of `ring_ratings`. turning: the load, with the shaft."""
+    on_inner, on_outer = ring_load(inner_loads, not turning), ring_load(outer_loads, turning)
+    return ((on_inner / inner) ** (3.0 * WEIBULL) + (on_outer / outer) ** (3.0 * WEIBULL)) ** (1.0 / WEIBULL)
+
+
+@kernel
+def ring_load(loads, rolled):
+    """Mean of the balls' loads, (Z,) N, on a ring; rolled: whether the ring turns under the load."""
+    total, exponent = 0.0, 3.0 if rolled else 3.0 * WEIBULL
     for j in range(loads.size):
         if loads[j] > 0.0:
-            cubic += loads[j] ** 3
-            steeper += loads[j] ** (3.0 * WEIBULL)
-    rolled, stood = (cubic / loads.size) ** (1.0 / 3.0), (steeper / loads.size) ** (1.0 / (3.0 * WEIBULL))
-    on_inner, on_outer = (stood, rolled) if turning else (rolled, stood)
-    return ((on_inner / inner) ** (3.0 * WEIBULL) + (on_outer / outer) ** (3.0 * WEIBULL)) ** (1.0 / WEIBULL)
+            total += loads[j] ** exponent
+    return (total / loads.size) ** (1.0 / exponent)
 
 
 @kernel
@@ -97,9 +101,9 @@ def lubrication_factor(kappa, contamination, limit, load):
 
 
 @kernel
-def put_life(y, loads, speed, k, rating, factor):
-    """The outputs of both effects; loads: (Z,) N. k: `Constants` with the ratings of the rings. rating, factor: values of the effects."""
-    share = life_share(loads, k.inner_rating, k.outer_rating, rating.load == TURNING)
+def put_life(y, inner_loads, outer_loads, speed, k, rating, factor):
+    """The outputs of both effects; loads: (Z,) N, at each ring. k: `Constants` with the rings' ratings. rating, factor: of the effects."""
+    share = life_share(inner_loads, outer_loads, k.inner_rating, k.outer_rating, rating.load == TURNING)
     equivalent = rating.load_rating * share ** (1.0 / 3.0)
     rate = abs(speed) / (2.0 * math.pi) * share / REVOLUTIONS
     if factor is not None:

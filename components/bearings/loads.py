@@ -21,7 +21,8 @@ import numpy as np
 
 from ..core.errors import BadInput
 from ..core.kernels import DONE, NOT_CONVERGED, kernel
-from .contacts import COS, GAP, LOAD, SIN, BallContacts, contact_forces, place_balls
+from .contacts import COS, GAP, INNER_ANGLE, LOAD, SIN, BallContacts, contact_forces, place_balls
+from .inertia import Inertia
 
 COORDINATES = ("x", "y", "z", "tilt_x", "tilt_y")
 ITERATIONS = 200
@@ -49,12 +50,13 @@ def static_loads(
     first_ball: float = 0.0,
     held: Collection[str] = (),
     gap: np.ndarray | float = 0.0,
+    inertia: Inertia | None = None,
 ) -> StaticLoads:
     """Equilibrium of the inner ring under an external load on it; the outer ring is fixed.
 
     forces: (5,) Fx, Fy, Fz in N, Mx, My in N.m.  first_ball: angle of the first ball, rad.  held: coordinates of
     `COORDINATES` that stay 0, whatever their force or moment.  gap: m, one or (Z,), by which the surfaces at each
-    ball are farther apart than in a perfect bearing.
+    ball are farther apart than in a perfect bearing.  inertia: of the balls, whose loads and angles are then those at the inner race.
 
     Without load and with clearance the ring stays in the middle. Raises `BadInput` for loads that are not five finite
     numbers, fewer than three balls, or an unknown coordinate in `held`.
@@ -67,11 +69,12 @@ def static_loads(
     for name in held:
         if name not in COORDINATES:
             raise BadInput("static loads", f"coordinate {name!r} held", "one of " + ", ".join(COORDINATES))
-    balls = place_balls(contacts.balls, first_ball)
+    balls = place_balls(contacts.balls, first_ball, 4 if inertia is None else 7)
     balls[:, GAP] = gap
     q, free = np.zeros(5), np.array([float(name not in held) for name in COORDINATES])
-    status = int(equilibrium(forces, free, contacts, balls, q, workspace()))
-    return StaticLoads(q, balls[:, LOAD].copy(), contact_angles(q, contacts, balls), status)
+    status = int(equilibrium(forces, free, contacts, balls, q, workspace(), inertia))
+    angles = contact_angles(q, contacts, balls) if inertia is None else balls[:, INNER_ANGLE].copy()
+    return StaticLoads(q, balls[:, LOAD].copy(), angles, status)
 
 
 def contact_angles(q: np.ndarray, contacts: BallContacts, balls: np.ndarray) -> np.ndarray:
@@ -87,7 +90,7 @@ def workspace() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @kernel
-def equilibrium(forces, free, contacts, balls, q, work):
+def equilibrium(forces, free, contacts, balls, q, work, inertia):
     """Move q (5,) from where it is to equilibrium with the external `forces` (5,); status DONE or NOT_CONVERGED.
 
     free: (5,) 1.0 for a coordinate that may move, 0.0 for one that is held.  balls: as for `contact_forces`; at the end with
@@ -99,18 +102,18 @@ def equilibrium(forces, free, contacts, balls, q, work):
     large = contacts.stiffness * (START * contacts.distance) ** 1.5
     times = max(1.0, large / load) if load > NO_FORCE else 1.0
     while times > 1.0:
-        minimum(times, forces, free, contacts, balls, q, COARSE, work)  # only a way: it need not be gone to its end
+        minimum(times, forces, free, contacts, balls, q, COARSE, work, inertia)  # only a way: it need not be gone to its end
         times *= 0.1
-    return minimum(1.0, forces, free, contacts, balls, q, TOLERANCE, work)
+    return minimum(1.0, forces, free, contacts, balls, q, TOLERANCE, work, inertia)
 
 
 @kernel
-def minimum(times, forces, free, contacts, balls, q, tolerance, work):
+def minimum(times, forces, free, contacts, balls, q, tolerance, work, inertia):
     """`equilibrium` with `times` the forces, by Newton's method from where q is; tilts count by their way at the lever."""
     stiffness, matrix, rows = work
     sums, unbalanced, step, trial, scale = rows[0], rows[1, :5], rows[2, :5], rows[3, :5], rows[4, :5]
     longest = 0.25 * contacts.radial  # m, of a step; keeps every ball in its groove
-    status = contact_forces(q, contacts, balls, sums, stiffness, None, None, None)
+    status = contact_forces(q, contacts, balls, sums, stiffness, None, None, None, inertia)
     if status != DONE:
         return status
     load = 0.0
@@ -146,7 +149,7 @@ def minimum(times, forces, free, contacts, balls, q, tolerance, work):
         for _ in range(ITERATIONS):
             for i in range(5):
                 trial[i] = q[i] + share * scale[i] * step[i]
-            status = contact_forces(trial, contacts, balls, sums, stiffness, None, None, None)
+            status = contact_forces(trial, contacts, balls, sums, stiffness, None, None, None, inertia)
             after = 0.0
             for i in range(5):
                 after += scale[i] * (times * forces[i] + sums[i]) * step[i]

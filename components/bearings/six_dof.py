@@ -14,10 +14,13 @@ from .contacts import (
     COS,
     ENERGY,
     GAP,
+    INNER_ANGLE,
     LARGEST_CONTACT,
     LOAD,
     LOADED,
     MAX_LOAD,
+    OUTER_ANGLE,
+    OUTER_LOAD,
     SIN,
     BallContacts,
     contact_forces,
@@ -27,13 +30,14 @@ from .contacts import (
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
+from .inertia import Inertia, centrifugal_factor
 from .life import put_life, ring_ratings
 from .races import TWO_PI, add_faults, highest_order, start_waves, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 COARSE, UNSEEN = 0, 1  # rows of what `check_passages` notes
-FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
+FORCE, LARGEST, NUMBER, RING, CAGE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
 HERTZ = ("exact", "brewe-hamrock")
 FITTED = 1  # of them
 
@@ -64,6 +68,11 @@ class Constants:
     inner_rating: float  # N, load of a ball at which the inner ring has a rating life of 1; with `rating_life`
     outer_rating: float
     levers: float  # lever of the moments over that of the tilts
+    inner_stiffness: float  # K_i, K_o, N/m^1.5; these and those below with `ball_inertia`
+    outer_stiffness: float
+    inner_distance: float  # from a ball's centre to those of the grooves when they just touch, m
+    outer_distance: float
+    centrifugal: float  # force of a ball over the square of the speed, kg.m
 
 
 @kernel
@@ -80,9 +89,9 @@ def bearing_start(t, s, p, e):
         return NO_ELLIPSE
     inner = grooved_contact(inner_x, inner_y, modulus, p.hertz == FITTED)
     outer = grooved_contact(outer_x, outer_y, modulus, p.hertz == FITTED)
-    stiffness = two_in_series(
-        hertz_stiffness(inner.radius, modulus, inner.ellipse), hertz_stiffness(outer.radius, modulus, outer.ellipse)
-    )
+    inner_stiffness = hertz_stiffness(inner.radius, modulus, inner.ellipse)
+    outer_stiffness = hertz_stiffness(outer.radius, modulus, outer.ellipse)
+    stiffness = two_in_series(inner_stiffness, outer_stiffness)
     contacts = groove_contacts(
         p.balls, stiffness, p.inner_conformity, p.outer_conformity, p.ball_diameter, p.pitch_diameter, 0.0, p.diametral_clearance
     )
@@ -111,6 +120,11 @@ def bearing_start(t, s, p, e):
     if e.published_levers is not None:
         # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
         k.levers = (0.5 * p.pitch_diameter - 0.25 * p.diametral_clearance) / contacts.lever
+    if e.ball_inertia is not None:
+        k.inner_stiffness, k.outer_stiffness = inner_stiffness, outer_stiffness
+        k.inner_distance = (p.inner_conformity - 0.5) * p.ball_diameter
+        k.outer_distance = (p.outer_conformity - 0.5) * p.ball_diameter
+        k.centrifugal = centrifugal_factor(e.ball_inertia.density, p.ball_diameter, p.pitch_diameter, k.cage_ratio)
     for j in range(p.balls):
         at = TWO_PI * j / p.balls
         s.directions[0, j], s.directions[1, j] = math.cos(at), math.sin(at)
@@ -185,6 +199,14 @@ def present_contacts(u, k, growth):
 
 
 @kernel
+def present_inertia(speed, k, effect):
+    """The balls' inertia at the present speed, or None without the effect; k: `Constants`."""
+    if effect is None:
+        return None
+    return Inertia(k.inner_stiffness, k.outer_stiffness, k.inner_distance, k.outer_distance, k.centrifugal * speed * speed)
+
+
+@kernel
 def roll(h, x, u, k):
     """Turn ring, cage and ball with the integral of the speed's polynomial over a step h; k: `Constants`."""
     turn = h * (u[0, SPEED] + h * (0.5 * u[1, SPEED] + h * u[2, SPEED] / 3.0))
@@ -247,15 +269,15 @@ def bearing_outputs(t, s, p, e):
     s.initializing[0] = 0.0
     speed = u[SPEED]
     place(x, speed, k, s, e)
-    contacts = present_contacts(u, s.contacts, e.thermal_growth)
+    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(speed, k, e.ball_inertia)
     if e.linearisation is not None and e.damping is not None:
-        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, u[5:10], e.damping.factor, s.damping)
+        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, u[5:10], e.damping.factor, s.damping, inertia)
     elif e.linearisation is not None:
-        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, None, None, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, None, None, None, inertia)
     elif e.damping is not None:
-        status = contact_forces(u[:5], contacts, s.balls, sums, None, u[5:10], e.damping.factor, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, None, u[5:10], e.damping.factor, None, inertia)
     else:
-        status = contact_forces(u[:5], contacts, s.balls, sums, None, None, None, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, None, None, None, None, inertia)
     if status != DONE:
         return status
     if sums[MAX_LOAD] > k.largest_load and not initializing:
@@ -265,7 +287,7 @@ def bearing_outputs(t, s, p, e):
         sums[4] *= k.levers
     for i in range(5):
         y[FORCE + i] = sums[i]
-    y[LARGEST], y[NUMBER], y[INNER_ANGLE], y[CAGE_ANGLE] = sums[MAX_LOAD], sums[LOADED], x[0], x[1]
+    y[LARGEST], y[NUMBER], y[RING], y[CAGE] = sums[MAX_LOAD], sums[LOADED], x[0], x[1]
     if e.film is not None:
         thickness = abs(speed) ** CENTRAL_EXPONENT
         y[e.film.y], y[e.film.y + 1] = k.inner_film * thickness, k.outer_film * thickness
@@ -276,12 +298,27 @@ def bearing_outputs(t, s, p, e):
         torque = 0.5 * e.friction.coefficient * e.friction.bore_diameter * load
         y[e.friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
         y[e.friction.y + 1] = torque * abs(speed)
+    if e.ball_inertia is not None:
+        put_inertia(y[e.ball_inertia.y :], s.balls, inertia)
     if e.rating_life is not None:
-        put_life(y, s.balls[:, LOAD], speed, k, e.rating_life, e.life_factor)
+        on_outer = s.balls[:, LOAD if e.ball_inertia is None else OUTER_LOAD]
+        put_life(y, s.balls[:, LOAD], on_outer, speed, k, e.rating_life, e.life_factor)
     for i in range(y.size):
         if not math.isfinite(y[i]):
             return NOT_FINITE
     return DONE
+
+
+@kernel
+def put_inertia(y, balls, inertia):
+    """The outputs of `ball_inertia`."""
+    most = 0
+    y[0], y[1] = inertia.force, 0.0
+    for j in range(balls.shape[0]):
+        y[1] = max(y[1], balls[j, OUTER_LOAD])
+        if balls[j, LOAD] > balls[most, LOAD]:
+            most = j
+    y[2], y[3] = balls[most, INNER_ANGLE], balls[most, OUTER_ANGLE]
 
 
 @kernel
@@ -309,7 +346,8 @@ def elastic_energy(s, e):
     """Energy of the contacts, J."""
     u = s.u[0]
     place(s.x, u[SPEED], s.constants, s, e)
-    contact_forces(u[:5], present_contacts(u, s.contacts, e.thermal_growth), s.balls, s.sums, None, None, None, None)
+    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(u[SPEED], s.constants, e.ball_inertia)
+    contact_forces(u[:5], contacts, s.balls, s.sums, None, None, None, None, inertia)
     return s.sums[ENERGY]
 
 

@@ -29,8 +29,8 @@ def test_a_thrust_bearing_has_the_life_of_its_ratings():
     inner, outer = ring_ratings(9, 0.2, 0.52, 0.53, 20e3)
     expected = ((800.0 / inner) ** (10.0 / 3.0) + (800.0 / outer) ** (10.0 / 3.0)) ** 0.9
     for turning in (False, True):
-        assert life_share(np.full(9, 800.0), inner, outer, turning) == pytest.approx(expected, rel=1e-13)
-    assert life_share(np.zeros(9), inner, outer, False) == 0.0
+        assert life_share(np.full(9, 800.0), np.full(9, 800.0), inner, outer, turning) == pytest.approx(expected, rel=1e-13)
+    assert life_share(np.zeros(9), np.zeros(9), inner, outer, False) == 0.0
 
 
 def test_the_rating_is_the_radial_load_of_a_million_revolutions():

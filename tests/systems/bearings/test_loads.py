@@ -55,7 +55,7 @@ def iso_forces(q, geometry, stiffness, clearance, first=0.0):
 def evaluate(q, contacts, first=0.0, damper=None, velocity=None):
     """(force and moment (5,), sums (8,), stiffness, damping, balls) of the kernel."""
     balls, sums, k, c = place_balls(contacts.balls, first), np.zeros(8), np.zeros((5, 5)), np.zeros((5, 5))
-    status = contact_forces(np.asarray(q), contacts, balls, sums, k, velocity, damper, c if damper is not None else None)
+    status = contact_forces(np.asarray(q), contacts, balls, sums, k, velocity, damper, c if damper is not None else None, None)
     assert status == DONE
     return sums[:5].copy(), sums, k, c, balls
 
@@ -286,7 +286,7 @@ def test_a_ring_beyond_its_grooves_is_out_of_range():
     contacts = ball_contacts(ISO, 1e10)
     q, sums = np.array([contacts.distance * 1.01, 0, 0, 0, 0]), np.zeros(8)
     balls = place_balls(8)  # one of them at 180 degrees
-    assert contact_forces(q, contacts, balls, sums, None, None, None, None) == OUT_OF_RANGE
+    assert contact_forces(q, contacts, balls, sums, None, None, None, None, None) == OUT_OF_RANGE
 
 
 def test_a_load_that_no_groove_holds_is_reported():
