@@ -145,7 +145,7 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
     The change of such a damper with q is left out of `stiffness`: it is infinite at touch-down.
 
     inertia: `Inertia`, or None for balls without. With it balls is (Z, 7), energy that of both races, the largest load that of either,
-    and a damper acts at the inner race, in proportion to the stiffness of the ball between both.
+    and a damper acts at the inner race, in proportion to the stiffness of the ball between both; its line's turning with q is left out.
     """
     lever = contacts.lever
     fx, fy, fz, mx, my, energy, largest, loaded = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

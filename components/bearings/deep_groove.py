@@ -245,6 +245,18 @@ class DeepGrooveBearing(KernelComponent):
             "geometry near that of a 6207, from memory; grooves of 0.52 d are a choice",
             "unconfirmed",
         ),
+        "218-like": Preset(
+            {
+                "balls": 16,
+                "ball_diameter": 22.225e-3,
+                "pitch_diameter": 125.26e-3,
+                "inner_conformity": 0.5232,
+                "outer_conformity": 0.5232,
+                "diametral_clearance": 4.82518e-4,
+            },
+            "textbooks' angular contact bearing 218, from memory; its 40 degrees as a clearance, computed",
+            "unconfirmed",
+        ),
         "ISO/TS 16281 example": Preset(
             {
                 "balls": 7,

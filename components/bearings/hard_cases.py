@@ -33,6 +33,11 @@ def _motion(component: Component) -> np.ndarray:
     return component.x[:4]
 
 
+def _pressed(component: Component) -> float:
+    """What the outer race carries beyond a ball's own force."""
+    return component["ball_inertia.outer_load"] - component["ball_inertia.centrifugal_force"]
+
+
 def _forces(component: Component) -> list[float]:
     """Everything that takes a contact."""
     return [component[n] for n in component.outputs if "angle" not in n]
@@ -315,6 +320,13 @@ HARD_CASES = {
             effects=("rating_life", "life_factor"),
             parameters={"diametral_clearance": 2e-5},
             inputs={"displacement_x": sine(9.9e-6, 100.0), "speed": 500.0},
+        ),
+        "balls between both races": HardCase(
+            "Balls with inertia leave the inner race and come back, from standstill to 20 000 rpm; the outer one carries their force.",
+            (AtLeast(_pressed, -1e-6, "load beyond the centrifugal force, N"), Finite()),
+            effects=("ball_inertia", "linearisation", "damping"),
+            parameters={"diametral_clearance": 2e-5, "linearisation.idle_stiffness": 0.0},
+            inputs={"displacement_x": sine(1.2e-5, 100.0), "displacement_z": sine(1e-4, 70.0), "speed": sine(2100.0, 50.0)},
         ),
         "film through standstill": HardCase(
             "The film's slope over the speed has no bound at 0; friction takes, in both directions.",

@@ -38,8 +38,6 @@ class BallInertia(Effect):
     The balls follow the rings at once. Control by the outer race; films and waves count by half at each race.
     """
 
-    explicit_only = True
-
     density = parameter(7800.0, "kg/m3", "density of the balls; steel, from memory; silicon nitride 3200", low=0.0, nominal=1e3)
 
     centrifugal_force = output("N", "centrifugal force of a ball", nominal=100.0, feedthrough=("speed",))

@@ -25,8 +25,8 @@ NUMERICAL = {"substep", "period", "tolerance", "front_threshold"}  # a whole num
 class Course:
     """A component's initialization and some steps: in its own machine code, and with tangents."""
 
-    def __init__(self, name: str, seed: int):
-        self.component: KernelComponent = component_class(name)()
+    def __init__(self, name: str, seed: int, effects: tuple[str, ...] = ()):
+        self.component: KernelComponent = component_class(name)(effects)
         self.h = STEP.get(name, 1e-3)
         self.component.call("initialize", 0.0)
         self.component.call("step", 0.0, self.h)  # addresses of kernels stand in the block
@@ -125,9 +125,9 @@ def name_of(block: Any, cell: int) -> str:
     return f"{'.'.join(map(str, path))}[{cell - leaf.cell}]" if leaf.kind == "array" else ".".join(map(str, path))
 
 
-def disagreeing(component: str, seed: int) -> tuple[Counter[str], list[str]]:
+def disagreeing(component: str, seed: int, effects: tuple[str, ...] = ()) -> tuple[Counter[str], list[str]]:
     """How many derivatives are of each kind, and those that are wrong without being told."""
-    course = Course(component, seed)
+    course = Course(component, seed, effects)
     counts: Counter[str] = Counter()
     wrong = []
     for cell, one in verdicts(course):
@@ -151,3 +151,12 @@ def test_all_derivatives_are_exact_or_told_to_be_at_a_tie(component, seed):
     counts, wrong = disagreeing(component, seed)
     print(component, dict(counts))
     assert wrong == []
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_derivatives_of_balls_with_inertia(seed):
+    """An effect that none of the usual ones has: Newton's method for each ball."""
+    counts, wrong = disagreeing("DeepGrooveBearing", seed, ("ball_inertia", "linearisation", "rating_life"))
+    assert wrong == []
+    assert counts["exact"] > 10
