@@ -30,6 +30,7 @@ from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
 from .contacts import GAP, BallContacts
+from .friction import Friction, OilFriction
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
 from .inertia import BallInertia
@@ -131,16 +132,6 @@ class Linearisation(Effect):
     )
 
 
-class Friction(Effect):
-    """Torque 0.5 mu d P with the bore d and the resultant force P; mu from bearing catalogues, from memory."""
-
-    coefficient = parameter(0.0015, "1", "mu", low=0.0)
-    bore_diameter = parameter(0.035, "m", "diameter of the bore", low=1e-6)
-
-    torque = output("N.m", "torque on the shaft, against its speed; 0 at rest", feedthrough=EVERYTHING)
-    power = output("W", "heat, torque times speed", feedthrough=EVERYTHING)
-
-
 class ThermalGrowth(Effect):
     """Rings and balls that grow: the clearance follows an input."""
 
@@ -193,6 +184,7 @@ class DeepGrooveBearing(KernelComponent):
     rating_life = RatingLife
     life_factor = LifeFactor
     ball_inertia = BallInertia
+    oil_friction = OilFriction
 
     balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)

@@ -328,6 +328,18 @@ HARD_CASES = {
             parameters={"diametral_clearance": 2e-5, "linearisation.idle_stiffness": 0.0},
             inputs={"displacement_x": sine(1.2e-5, 100.0), "displacement_z": sine(1e-4, 70.0), "speed": sine(2100.0, 50.0)},
         ),
+        "oil from frost to boiling": HardCase(
+            "The viscosity falls by three decades and more, the friction takes in both directions.",
+            (AtLeast("friction.power", 0.0), AtLeast("oil_friction.viscosity", 1e-6), Finite()),
+            effects=("friction", "oil_friction"),
+            inputs={"displacement_x": 1e-5, "speed": sine(50.0, 100.0), "oil_friction.temperature": sine(70.0, 50.0, 320.0)},
+        ),
+        "oil below absolute zero": HardCase(
+            "It has no viscosity.",
+            Refused("not finite", "step", {"oil_friction.temperature": 300.0}),
+            effects=("friction", "oil_friction"),
+            inputs={"speed": 100.0, "oil_friction.temperature": jumps(300.0, (0.01, -10.0))},
+        ),
         "film through standstill": HardCase(
             "The film's slope over the speed has no bound at 0; friction takes, in both directions.",
             (AtLeast("friction.power", 0.0), Finite()),

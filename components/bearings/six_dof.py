@@ -28,6 +28,7 @@ from .contacts import (
     note_contacts,
 )
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
+from .friction import put_friction
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
 from .inertia import Inertia, centrifugal_factor
@@ -295,9 +296,7 @@ def bearing_outputs(t, s, p, e):
         linearise(u, y, k, s, initializing, e)
     if e.friction is not None:
         load = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
-        torque = 0.5 * e.friction.coefficient * e.friction.bore_diameter * load
-        y[e.friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
-        y[e.friction.y + 1] = torque * abs(speed)
+        put_friction(y, u, load, speed, p.pitch_diameter, e.friction, e.oil_friction)
     if e.ball_inertia is not None:
         put_inertia(y[e.ball_inertia.y :], s.balls, inertia)
     if e.rating_life is not None:

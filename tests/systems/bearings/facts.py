@@ -113,7 +113,7 @@ FACTS: dict[str, Facts] = {
                     "friction",
                     "thermal_growth",
                 ),
-                *("rating_life", "life_factor"),
+                *("rating_life", "life_factor", "ball_inertia", "oil_friction"),
             ),
             {"diametral_clearance": 5e-6},
             20,
@@ -136,7 +136,19 @@ FACTS: dict[str, Facts] = {
             "thermal_growth.clearance_change": ({}, 1e-10),
         },
         # A film vanishes with the power 0.67 of its viscosity; linearisation, friction and life change no output of the bearing's own.
-        structural=frozenset({"film", "published_levers", "linearisation", "friction", "rating_life", "life_factor"}),
+        # Balls without inertia are those without the effect to rounding, not to the bit: see test_ball_inertia.
+        structural=frozenset(
+            {
+                "film",
+                "published_levers",
+                "linearisation",
+                "friction",
+                "oil_friction",
+                "rating_life",
+                "life_factor",
+                "ball_inertia",
+            }
+        ),
         form=frozenset(
             {
                 "inner_waviness.order",
