@@ -42,10 +42,8 @@ class OilFriction(Effect):
     requires = ("friction",)
     replaces = ("friction.coefficient", "friction.bore_diameter")
 
-    lubrication = parameter(
-        2.0, "1", "f_0: 2 in an oil bath, 1 with oil mist, 4 flooded with a vertical shaft; from memory", low=0.0
-    )
-    load_factor = parameter(3e-4, "1", "f_1: about 0.0007 (P_0/C_0)^0.55; from memory", low=0.0, nominal=1e-4)
+    lubrication = parameter(2.0, "1", "factor f_0 of the lubrication: 2 in an oil bath, 1 with oil mist; from memory", low=0.0)
+    load_factor = parameter(3e-4, "1", "factor f_1 of the load; below 0.001, from memory", low=0.0, nominal=1e-4)
     viscosity_40 = parameter(68e-6, "m2/s", "kinematic viscosity at 40 degrees Celsius; of ISO VG 68", low=1e-6, nominal=1e-5)
     viscosity_100 = parameter(
         8.7e-6, "m2/s", "kinematic viscosity at 100 degrees Celsius; mineral oil, from memory", low=1e-6, nominal=1e-5
