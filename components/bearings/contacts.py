@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel, kernel_tuple
-from .inertia import settle
+from .inertia import seated_ball
 
 COS, SIN, GAP, LOAD = range(4)  # columns of `balls`
 OUTER_LOAD, INNER_ANGLE, OUTER_ANGLE = range(4, 7)  # and of balls with inertia
@@ -108,8 +108,8 @@ def add_stiffness(k, c, s, along, turning, cos_phi, sin_phi):
 
 
 @kernel
-def add_settled(k, c, s, lever, ball):
-    """Add a ball with inertia at cos, sin = c, s to the whole of k (5, 5), which friction makes unsymmetric; ball: `Settled`."""
+def add_seated(k, c, s, lever, ball):
+    """Add a ball with inertia at cos, sin = c, s to the whole of k (5, 5), which friction makes unsymmetric; ball: `SeatedBall`."""
     for i in range(5):
         radial, axial = (
             (c if i == 0 else s if i == 1 else 0.0),
@@ -170,7 +170,7 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
             load = root * approach
             energy += 0.4 * load * approach
         else:
-            ball = settle(radial, axial, balls[j, GAP], inertia)
+            ball = seated_ball(radial, axial, balls[j, GAP], inertia)
             cos_phi, sin_phi, load = ball.cos_inner, ball.sin_inner, ball.load
             balls[j, OUTER_LOAD], balls[j, INNER_ANGLE] = ball.outer_load, math.atan2(sin_phi, cos_phi)
             balls[j, OUTER_ANGLE] = ball.outer_angle
@@ -191,7 +191,7 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
             if inertia is None:
                 add_stiffness(stiffness, c, s, 1.5 * root, load / apart, cos_phi, sin_phi)
             else:
-                add_settled(stiffness, c, s, lever, ball)
+                add_seated(stiffness, c, s, lever, ball)
         balls[j, LOAD] = load
         largest = max(largest, load)
         loaded += 1.0

@@ -58,7 +58,7 @@ class Inertia(NamedTuple):
 
 
 @kernel_tuple
-class Settled(NamedTuple):
+class SeatedBall(NamedTuple):
     """A ball at rest between the races."""
 
     load: float  # of the inner race, N
@@ -109,7 +109,7 @@ def first_place(radial, axial, inner_length, outer_length, k):
 
 
 @kernel
-def settle(radial, axial, gap, k):
+def seated_ball(radial, axial, gap, k):
     """The ball between groove centres that are (radial, axial) apart, m; gap: m, of both races together; k: `Inertia`.
 
     The forces of the races have a convex potential, so that the force along a step only falls, but for the small friction: a step is
@@ -119,7 +119,7 @@ def settle(radial, axial, gap, k):
     r, z = outer_length + (k.force / k.outer) ** (2.0 / 3.0), 0.0
     in_play = math.hypot(radial, axial) <= inner_length + outer_length
     if math.hypot(radial - r, axial) <= inner_length or (in_play and k.force < NO_FORCE):  # the inner race is not reached
-        return Settled(0.0, k.force, 1.0, 0.0, 0.0, 0.4 * k.force * (r - outer_length), 0.0, 0.0, 0.0, 0.0)
+        return SeatedBall(0.0, k.force, 1.0, 0.0, 0.0, 0.4 * k.force * (r - outer_length), 0.0, 0.0, 0.0, 0.0)
     r, z = first_place(radial, axial, inner_length, outer_length, k)
     last = False
     in_rr, in_rz, in_zz, rr, rz, zr, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -166,7 +166,7 @@ def settle(radial, axial, gap, k):
     a, b = 1.0 - (zz * in_rr - rz * in_rz) / whole, -(zz * in_rz - rz * in_zz) / whole
     c, d = -(rr * in_rz - zr * in_rr) / whole, 1.0 - (rr * in_zz - zr * in_rz) / whole
     energy = 0.4 * (inner * max(w - inner_length, 0.0) + outer * max(v - outer_length, 0.0))
-    return Settled(
+    return SeatedBall(
         inner,
         outer,
         (radial - r) / w,

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.bearings.contacts import place_balls
 from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.geometry import BallGeometry
-from cosimo.components.bearings.inertia import Inertia, settle
+from cosimo.components.bearings.inertia import Inertia, seated_ball
 from cosimo.orchestrator.systems.bearings.support_tables import ball_rows
 from scipy.optimize import fsolve
 
@@ -132,7 +132,7 @@ def test_balls_at_random_are_in_balance():
         apart = lengths.sum() + random.choice([-1.0, 1.0]) * 10 ** random.uniform(-9.0, -4.6)
         ends = np.array([apart * math.cos(angle), apart * math.sin(angle)])
         k = Inertia(*10 ** random.uniform(9.5, 10.5, 2), *lengths, force)
-        ball = settle(*ends, 0.0, k)
+        ball = seated_ball(*ends, 0.0, k)
         out = np.array([math.cos(ball.outer_angle), math.sin(ball.outer_angle)])
         across = 0.4 * force * out[1] * np.array([out[1], -out[0]])
         left = ball.load * np.array([ball.cos_inner, ball.sin_inner]) - ball.outer_load * out + (force, 0.0) + across
