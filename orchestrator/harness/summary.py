@@ -63,10 +63,10 @@ def with_error(value: float, error: float) -> str:
         return f"{value:.4g}"
     if error == 0.0:
         return f"{value:.6g} ± 0"
-    size = floor(log10(abs(value))) if value else -inf
+    size: float = floor(log10(abs(value))) if value else -inf
     digit = floor(log10(error))
     if error < 10.0 ** (size - 5):
-        digit = size - 4
+        digit = int(size) - 4
         error = 10.0**digit
     elif error < 2.0 * 10.0**digit:
         digit -= 1  # 0.14 rather than 0.1

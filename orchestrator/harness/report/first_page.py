@@ -62,8 +62,8 @@ def _objects(result: Result) -> Cells:
         settings = result.scene.units.get(name)
         model = unit.title or unit.kind
         preset = f"{model}, {settings.preset}" if settings is not None and settings.preset else model
-        effects = result.info.effects.get(name)
-        rows.append((name, preset, ", ".join(e.replace("_", " ") for e in effects.on) if effects is not None else ""))
+        noted = result.info.effects.get(name)
+        rows.append((name, preset, ", ".join(e.replace("_", " ") for e in noted.on) if noted is not None else ""))
     alike: dict[tuple[str, str], list[str]] = {}
     for name, model, effects in rows:
         alike.setdefault((model, effects), []).append(name)

@@ -49,7 +49,7 @@ def scenes() -> dict[str, Scene]:
             effects=["exact_slip", "trocar_friction"],
             normal_force=1e-9,
             trocar_friction={"damping_time": SETTLES},
-            **{f"external_{kind}": share * SEAL_STATIC * arm},
+            **dict[str, Any]({f"external_{kind}": share * SEAL_STATIC * arm}),
         )
         for way, kind, arm in (("along", "force", 1.0), ("around", "torque", SLEEVE))
         for name, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR))

@@ -110,7 +110,7 @@ def matched_speed(design: Design) -> float:
             now = _piece(design, mode, t, stretch, rate, body)
             if mode == STANDS:
 
-                def margin(at: Any, now: Piece = now) -> Any:
+                def margin(at: Any, now: Piece = now, mode: int = mode) -> Any:
                     force = load(design, at, now.stretch(at), now.rate(at))
                     return np.minimum(design.forward - force, design.backward + force)
             else:
