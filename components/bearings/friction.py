@@ -50,12 +50,14 @@ class OilFriction(Effect):
     )
 
     temperature = input_(313.15, "K", "temperature of the oil", nominal=100.0)
-    viscosity = output("m2/s", "kinematic viscosity", nominal=1e-5, feedthrough=(".temperature",))
+    viscosity = output("m2/s", "kinematic viscosity", nominal=1e-4, feedthrough=(".temperature",))
 
 
 @kernel
 def kinematic_viscosity(temperature, cold, hot):
-    """Walther's equation: m²/s at a temperature, K, from the viscosities at 40 and 100 degrees Celsius."""
+    """Walther's equation: m²/s at a temperature, K, from the viscosities at 40 and 100 degrees Celsius; NaN below 0 K."""
+    if temperature <= 0.0:
+        return math.nan
     high, low = math.log10(math.log10(1e6 * cold + 0.7)), math.log10(math.log10(1e6 * hot + 0.7))
     share = math.log10(temperature / COLD) / math.log10(HOT / COLD)
     return 1e-6 * (10.0**10.0 ** (high + (low - high) * share) - 0.7)

@@ -75,8 +75,8 @@ HARD_CASES = {
             run=(0.6, 0.02),
         ),
         "rolling contacts, turned back and forth": HardCase(
-            "Creep in both directions through standstill: bounded, and full slip gives the whole friction.",
-            (AtMost(_tractions, 6.0 * 1.05, "tractions, N"), Finite(limit=10.0)),
+            "Creep in both directions through standstill: friction bounds it, but for the dashpot of a deflection that grows.",
+            (AtMost(_tractions, 6.0 * 1.25, "tractions, dashpots included, N"), Finite(limit=10.0)),
             effects=("rolling_slip",),
             parameters={"substep": 5e-5},
             inputs={"first_rate": sine(20.0, 11.0), "second_rate": sine(20.0, 11.0), "external_force": sine(9.0, 7.0)},

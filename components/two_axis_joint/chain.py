@@ -102,7 +102,7 @@ class Latch(Effect):
     restitution = parameter(0.3, "1", "rate after an impact over that before", low=0.0, high=0.99)
     capture_rate = parameter(0.05, "rad/s", "rate up to which the link is caught", low=1e-6)
 
-    latched = flag("1 from when the second link is caught")
+    latched = flag("1 while the second link is caught")
     impacts = count("number of impacts so far")
 
 

@@ -43,6 +43,7 @@ def turning_force(mass: float, diameter: float, pitch: float, cage: float, angle
 
 
 @pytest.mark.interpreted
+@pytest.mark.known_answers(DeepGrooveBearing="ball_inertia")
 @pytest.mark.parametrize("rpm", [0.0, 3000.0, 6000.0, 10000.0, 15000.0])
 def test_a_bearing_under_thrust_is_that_of_mechanics_in_space(rpm):
     bearing = DeepGrooveBearing(["ball_inertia"], {**B218, "diametral_clearance": PLAY, "ball_inertia.density": DENSITY})

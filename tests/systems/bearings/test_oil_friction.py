@@ -29,6 +29,7 @@ def resultant(bearing: DeepGrooveBearing) -> float:
 
 
 @pytest.mark.interpreted
+@pytest.mark.known_answers(DeepGrooveBearing="oil_friction")
 @pytest.mark.parametrize("speed", [-300.0, 0.5, 300.0])
 @pytest.mark.parametrize("kelvin", [253.15, 313.15, 393.15])
 def test_the_torque_is_that_of_the_equations(speed, kelvin):

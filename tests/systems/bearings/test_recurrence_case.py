@@ -38,6 +38,6 @@ def test_coordinate_makes_the_logistic_map_a_tent():
 
 @pytest.mark.parametrize(("r", "period"), recurrence.WINDOWS.items())
 def test_windows_have_their_period(r, period):
-    x = recurrence.logistic(r, 0.3, seated_ball=100_000, states=4 * period)[:, 0]
+    x = recurrence.logistic(r, 0.3, settle=100_000, states=4 * period)[:, 0]
     assert x[period:] == pytest.approx(x[:-period], abs=1e-12)
     assert np.unique(x.round(9)).size == period

@@ -207,8 +207,8 @@ def test_a_substep_that_the_motor_does_not_allow_is_refused():
 # -- temperature -----------------------------------------------------------------------------------------------------------------
 HEAT = {
     "coefficient": 0.0,
-    "winding_capacity": 1.1,
-    "housing_capacity": 40.0,
+    "winding_capacity": 1.1e-3,  # a thousandth of usual ones: 1 s stands for 17 minutes
+    "housing_capacity": 40e-3,
     "winding_to_housing": 5.0,
     "housing_to_ambient": 14.0,
 }
@@ -217,19 +217,19 @@ STALLED = {"gear_ratio": 1.0, "wheel_inertia": 1e9}  # it does not turn
 
 def heated(seconds: float, voltage: float, **parameters) -> ServoMotor:
     made = motor(("heating",), {"voltage": voltage}, **STALLED, **{f"heating.{n}": v for n, v in (HEAT | parameters).items()})
-    for k in range(round(seconds / 10.0)):
-        made.step(10.0 * k, 10.0)
+    for k in range(round(seconds / 0.01)):
+        made.step(0.01 * k, 0.01)
     return made
 
 
 @pytest.mark.known_answers(ServoMotor="heating")
-@pytest.mark.parametrize("seconds", [10.0, 300.0])
+@pytest.mark.parametrize("seconds", [0.01, 0.3])
 def test_temperatures_rise_as_the_matrix_exponential(seconds):
     """A constant resistance: two capacities, two resistances, and 4 V at stall."""
     made = heated(seconds, 4.0)
     power = 4.0**2 / R
     system = np.array(
-        [[-1 / 5.0 / 1.1, 1 / 5.0 / 1.1, power / 1.1], [1 / 5.0 / 40.0, -(1 / 5.0 + 1 / 14.0) / 40.0, 0.0], [0.0] * 3]
+        [[-1 / 5.0 / 1.1e-3, 1 / 5.0 / 1.1e-3, power / 1.1e-3], [1 / 5.0 / 40e-3, -(1 / 5.0 + 1 / 14.0) / 40e-3, 0.0], [0.0] * 3]
     )
     rise = (expm(system * seconds) @ [0.0, 0.0, 1.0])[:2]
     assert [made["heating.winding_temperature"] - 298.15, made["heating.housing_temperature"] - 298.15] == pytest.approx(
@@ -239,7 +239,7 @@ def test_temperatures_rise_as_the_matrix_exponential(seconds):
 
 def test_a_warm_winding_takes_less_current_and_settles_where_heat_balances():
     """x = P0 Rth / (1 + a x) at a constant voltage: the root of a quadratic."""
-    made = heated(2e4, 4.0, coefficient=0.00393)
+    made = heated(10.0, 4.0, coefficient=0.00393)
     rth, cold = 19.0, 4.0**2 / R
     rise = (-1.0 + math.sqrt(1.0 + 4.0 * 0.00393 * cold * rth)) / (2.0 * 0.00393)
     assert made["heating.winding_temperature"] - 298.15 == pytest.approx(rise, rel=1e-6)

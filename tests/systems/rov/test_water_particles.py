@@ -95,7 +95,7 @@ def test_a_neutral_hull_moves_with_the_water_of_a_wave(displaced):
     )
     hull.set("current.velocity_north", 0.0)
     response = complex(drag, w * (displaced + added)) / complex(drag, w * (mass + added))
-    hull.parameters["start_surge"] = amplitude * response.imag
+    hull.set("start_surge", amplitude * response.imag)
     hull.initialize(0.0)
     step = 0.02
     for k in range(400):

@@ -29,8 +29,8 @@ SPAN = (1.5, 14.0)  # gears among which the best one is sought
 
 def scenes() -> dict[tuple[float, ...], Scene]:
     """Sets side by side in winds from the converter's start on, one scene a size; then the best gear of each site and lever."""
-    found: dict[tuple[float, ...], Scene] = {size: _scene(*size, MEAN) for size in scenes_of()}
-    return found | {(mean, mass, mean): _scene(best_gear(mean, mass), mass, mean) for mean in SITES for mass in MASSES}
+    by_size: dict[tuple[float, ...], Scene] = {size: _scene(*size, MEAN) for size in scenes_of()}
+    return by_size | {(mean, mass, mean): _scene(best_gear(mean, mass), mass, mean) for mean in SITES for mass in MASSES}
 
 
 def _scene(gear: float, mass: float, mean: float) -> Scene:
