@@ -27,7 +27,7 @@ OUTSIDE = {  # papers whose rows are looked at one by one -> the measures of tho
         *("max.250", "min.250", "uplift_mm.250"),
         *("std.300", "statistical_max.300", "statistical_min.300", "max.300", "min.300", "uplift_mm.300"),
     },
-    "paper-pipe-robots": {"map.inside", "rolling.share"},  # strongly unequal friction: higher harmonics
+    "paper-pipe-robots": set(),
     "paper-servo-drive": set(),
     "paper-two-links": set(),
     "paper-underwater-vehicle": {"saturation.eight"},
