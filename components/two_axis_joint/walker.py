@@ -262,12 +262,12 @@ def walker_outputs(t, s, p, e):
 
 @kernel
 def walker_stable(t, s, p, e):
-    """RK4's limit for the legs side by side, s: one falls, the other swings."""
+    """Half of RK4's limit for the legs side by side, s: one falls, the other swings. From 0.6 of it on a gait is lost (measured)."""
     a, _, c, determinant = inertias(0.0, p)
     w1, w2 = weights(p)
     half, product = 0.5 * (a * w2 - c * w1), w1 * w2 * determinant
     square = (abs(half) + math.sqrt(half * half + product)) / determinant
-    return RK4_STABILITY_RADIUS / math.sqrt(square) if square > 0.0 else math.inf
+    return 0.5 * RK4_STABILITY_RADIUS / math.sqrt(square) if square > 0.0 else math.inf
 
 
 _events = event_kernels(
