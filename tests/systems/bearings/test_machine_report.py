@@ -170,7 +170,8 @@ def test_sources_are_found_through_wildcards():
 
 
 def test_rotor_report_has_its_figures(rotor):
-    assert list(rotor) == ["Time history", "Run-up: synchronous motion", "Waterfall", "Orbits", "Forces of the bearings"]
+    run_up = ("Run-up: synchronous motion", "Run-up: polar plot")
+    assert list(rotor) == ["Time history", *run_up, "Waterfall", "Orbits", "Forces of the bearings"]
 
 
 def test_run_up_shows_the_resonance_with_amplitude_and_phase(rotor):

@@ -141,7 +141,7 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
     drive = drive_at(effects, **({"preload_loss.first": 0.0} if effects is FULL else {}))
     _, p, e = drive.arguments
     shaft, lugre, exact, trocar = e.shaft_friction, e.lugre_slip, e.exact_slip, e.trocar_friction
-    at = motor_place(lugre, exact, trocar)
+    at = motor_place(lugre, exact, e.rolling_slip, trocar)
     for trial in range(30):
         drive.x[:4] = random.normal(0.0, [0.1, 1.0, 0.2, 20.0])
         drive.x[at : at + 4] = random.normal(0.0, 10.0, 4)

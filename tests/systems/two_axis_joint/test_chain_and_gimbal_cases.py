@@ -65,7 +65,7 @@ def other_start(monkeypatch, cls, name: str, factor: float) -> None:
 
     def changed(self, t):
         if name in self.parameters:
-            self.parameters[name] *= factor
+            self.set(name, factor * self.parameters[name])
         return initialize(self, t)
 
     monkeypatch.setattr(cls, "_initialize", changed)
