@@ -27,8 +27,8 @@ from .motion import EVERYTHING
 ITERATIONS = 40  # of Newton's method for a ball; 7 have been enough for 20 000 balls at random, 3.6 in the mean
 SETTLED = 1e-11  # of the groove centres' distance, the last step, behind which rounding is left
 TRIALS = 40  # of the length of a step
-NO_FORCE = 1e-10  # N; a ball in play with less leans on nothing
-OVERSHOOT, LEFT = 0.3, 0.5  # see loads.py
+NO_FORCE = 1e-10  # N; forces below it count as none. The approach of a ball that carries it is below 1e-13 m.
+OVERSHOOT, LEFT = 0.3, 0.5  # of the unbalanced force along a step, that may be left behind it with the other, with its own sign
 GYROSCOPIC = 0.4  # of the centrifugal force, times sin(alpha_o): the friction force of a solid ball
 
 

@@ -22,13 +22,11 @@ import numpy as np
 from ..core.errors import BadInput
 from ..core.kernels import DONE, NOT_CONVERGED, kernel
 from .contacts import COS, GAP, INNER_ANGLE, LOAD, SIN, BallContacts, contact_forces, place_balls
-from .inertia import Inertia
+from .inertia import LEFT, NO_FORCE, OVERSHOOT, Inertia
 
 COORDINATES = ("x", "y", "z", "tilt_x", "tilt_y")
 ITERATIONS = 200
 TOLERANCE = 1e-10  # of the unbalanced force to the loads
-NO_FORCE = 1e-10  # N; forces below it count as none. The approach of a ball that carries it is below 1e-13 m.
-OVERSHOOT, LEFT = 0.3, 0.5  # of the unbalanced force along a step, that may be left behind it with the other, with its own sign
 FLOOR = 1e-11  # of the largest stiffness, that Newton's matrix keeps of the identity: above rounding, so that it stays definite
 START = 0.05  # of the distance of the groove centres, the approach of a ball under the load from which a smaller one comes down
 COARSE = 1e-3  # tolerance of the first iterations
