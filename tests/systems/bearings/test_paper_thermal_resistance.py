@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.systems.bearings import least_energy
 from cosimo.orchestrator.systems.bearings.cases import paper_thermal_resistance as paper
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -47,14 +48,31 @@ def test_ratio_of_the_load_zone_is_that_of_its_integrals(epsilon):
     assert paper.zone(epsilon) == pytest.approx(mean(1.5) ** (1.0 / 3.0) / mean(0.5), rel=0.01)
 
 
-@pytest.mark.parametrize("beside", [False, True])
-def test_shares_sum_to_one_and_air_beside_the_contacts_takes_from_them(beside):
-    parts = paper.shares("7008C", 100.0, beside=beside)
+def test_shares_sum_to_one_and_solids_in_series_take_from_the_contacts():
+    parts = paper.shares("7008C", 100.0)
     assert list(parts) == ["contacts", "gas", "convection", "radiation"]
     assert sum(parts.values()) == pytest.approx(1.0, abs=1e-12)
     assert all(v > 0.0 for v in parts.values())
-    if beside:
-        assert parts["contacts"] < paper.shares("7008C", 100.0, beside=False)["contacts"]
+    assert paper.shares("7008C", 100.0, within=paper.BULK)["contacts"] < parts["contacts"]
+
+
+def test_least_energy_under_axial_load_is_that_of_equal_balls_with_a_grown_angle():
+    """One equation for the angle, and the textbook's load of each ball."""
+    one = paper.like(paper.bearing("7008C"))
+    load = least_energy.loads(one, 500.0, 0.0)
+    distance = (one.inner + one.outer - 1.0) * one.ball
+    stiffness = sum(least_energy.contact(one, race).stiffness ** (-2.0 / 3.0) for race in ("inner", "outer")) ** -1.5
+    grown = math.acos(distance * math.cos(one.angle) / (distance + (load[0] / stiffness) ** (2.0 / 3.0)))
+    assert load == pytest.approx(np.full(16, 500.0 / (16.0 * math.sin(grown))), rel=1e-9)
+
+
+def test_least_energy_balances_both_forces_and_refuses_what_has_none():
+    one = paper.like(paper.bearing("7210B"))
+    load = least_energy.loads(one, 1000.0, 3000.0)
+    assert (load > 0.0).sum() == 3
+    assert load[1] == pytest.approx(load[-1], rel=1e-9)
+    with pytest.raises(ArithmeticError, match="no equilibrium"):
+        least_energy.loads(one, math.nan, 0.0)
 
 
 @pytest.mark.parametrize("preset", paper.ANGLES)
