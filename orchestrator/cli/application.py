@@ -8,6 +8,7 @@ from . import (  # noqa: F401 - each adds its commands
     compare,
     estimate,
     explore,
+    export,
     fmus,
     instants,
     many,

@@ -89,7 +89,7 @@ GROUPS = {
     "Simulate": ("run", "show", "list", "compare", "explore", "new"),
     "Check": ("validate", "accuracy", "stability", "effects", "gradient", "modes", "trim", "orbit", "estimate"),
     "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design"),
-    "Export": ("build", "check", "ssp"),
+    "Export": ("build", "check", "ssp", "export"),
     "Railway": ("railway",),
     "Bearings": ("bearings",),
     "Housekeeping": ("open", "cache", "schema"),

@@ -173,6 +173,14 @@ class Result:
 
         return to_xarray(self, signals)
 
+    def export(
+        self, path: str | Path, signals: str | Iterable[str] | None = None, *, separator: str = ",", decimal: str = "."
+    ) -> Path:
+        """Write signals into a file of another program: .csv of a dialect, .xlsx or .mat, see `views.export.export`."""
+        from ..views.export import export
+
+        return export(self, path, signals, separator, decimal)
+
     @property
     def _views(self) -> Views:
         if self.scene.views is None:

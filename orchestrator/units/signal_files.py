@@ -246,10 +246,14 @@ def _batches(path: str, schema: Any, batches: Iterator[Any], rows: int, advance:
 
 
 def _mat(path: str, size: int, advance: Callable[[int], None]) -> type[Signals]:
-    """Vectors of one length; columns of a matrix are name[1], name[2] ..."""
+    """Vectors of one length; columns of a matrix are name[1], name[2] ... A struct `units` has the units of the variables."""
     from scipy.io import loadmat
 
     content = {name: np.asarray(value) for name, value in loadmat(path).items() if not name.startswith("__")}
+    units = dict[str, str]()
+    if "units" in content and content["units"].dtype.names and content["units"].size == 1:
+        struct = content.pop("units")
+        units = {name: "".join(map(str, np.ravel(struct[name].item()))) for name in struct.dtype.names}
     named: list[Named] = []
     values: list[np.ndarray] = []
     lengths = {max(value.shape) for name, value in content.items() if value.ndim == 2 and name.lower() in TIME}
@@ -265,7 +269,7 @@ def _mat(path: str, size: int, advance: Callable[[int], None]) -> type[Signals]:
         lengths = lengths or {matrix.shape[0]}
         for k, column in enumerate(matrix.T, 1):
             one = name if matrix.shape[1] == 1 else f"{name}[{k}]"
-            named.append((one, "", one))
+            named.append((one, units.get(name, ""), one))
             values.append(column.astype(float))
     table = Growing(named, path, len(values[0]) if values else 1)
     if values and len(values[0]):
