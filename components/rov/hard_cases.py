@@ -180,6 +180,28 @@ HARD_CASES = {
             Refused("about the origin", accepted={"centre_of_gravity_z": 0.11}),
             parameters={"centre_of_gravity_z": 0.2},
         ),
+        "added mass of a kinetic energy below zero": HardCase(
+            "Surge and sway share more than either has.",
+            Refused("negative kinetic energy", accepted={"added_mass_coupling.force[1]": 8.3}),
+            effects=("added_mass", "added_mass_coupling"),
+            parameters={"added_mass_coupling.force[1]": 8.4},
+        ),
+        "drag that drives": HardCase(
+            "Quadratic drag of surge by pitch: at the velocity that the message names it gives energy.",
+            Refused("W from the water", accepted={"quadratic_drag_coupling.force_by_rate[2]": 4.0}),
+            effects=("quadratic_drag", "quadratic_drag_coupling"),
+            parameters={"quadratic_drag_coupling.force_by_rate[2]": 40.0},
+        ),
+        "tumbling with drag between all axes": HardCase(
+            "Every number beside the diagonal: drag only takes.",
+            (BoundedEnergy(limit=1e-12), Ends("surge", 1e-2), Ends("yaw_rate", 1e-2)),
+            effects=("added_mass", "added_mass_coupling", "linear_drag", "linear_drag_coupling"),
+            parameters=TUMBLING
+            | {f"added_mass_coupling.mixed[{i}]": 0.2 for i in range(1, 10)}
+            | {f"linear_drag_coupling.force_by_rate[{i}]": 0.1 for i in range(1, 10)}
+            | {f"linear_drag_coupling.moment_by_speed[{i}]": -0.1 for i in range(1, 10)},
+            run=(60.0, 1.0),
+        ),
         "a thruster without direction": HardCase(
             "All three of its components are 0.",
             Refused("thruster 3 with the direction", accepted={"thruster_direction_z[3]": 1.0}),

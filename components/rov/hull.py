@@ -16,7 +16,9 @@ from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import flag, input_, output, parameter
 from . import hull_equations
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
-from .hull_equations import hull_derivatives, invert, least_moment, rigid_mass, six, tether_velocity, water_velocity, wrench
+from .coupling import REFUSALS as OF_COUPLING
+from .coupling import AddedMassCoupling, LinearDragCoupling, QuadraticDragCoupling, check_coupling, fill_masses, six
+from .hull_equations import hull_derivatives, invert, least_moment, rigid_mass, tether_velocity, water_velocity, wrench
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
@@ -189,9 +191,10 @@ class RovHull(OdeComponent):
         (M_RB + M_A) nu' = T F + tau - C_RB(nu) nu - C_A(nu_r) nu_r - D nu_r - D2 |nu_r| nu_r - g(q) + M_A (R^T v_c)'
         C nu = (w × P, w × H + v × P)  with  (P, H) = M nu
 
-    F: thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of the water, uniform over the
-    hull; tau: tether and external loads. Each term below the rigid body's inertia is an effect. The force of the pressure
-    gradient on the displaced volume, which the source leaves out, is the effect `pressure_gradient`.
+    M_A, D and D2 have numbers beside their diagonals with the effects `added_mass_coupling`, `linear_drag_coupling` and
+    `quadratic_drag_coupling`. F: thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of
+    the water, uniform over the hull; tau: tether and external loads. Each term below the rigid body's inertia is an effect.
+    The force of the pressure gradient on the displaced volume, which the source leaves out, is the effect `pressure_gradient`.
     Source of the equations: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, Wiley 2011, chapters 6 to 8.
     Source of the thrusters' places: Kabanov, Kramar, Ermakov, Drones 5 (2021) 113; see `arrangement`. Mass and drag of their
     vehicle were not refused, and the numbers of a BlueROV2 of Wu (2018) stand in for them: the default vehicle is like theirs
@@ -216,6 +219,9 @@ class RovHull(OdeComponent):
     further_thrusters = FurtherThrusters
     tether = TetherLoad
     external = External
+    added_mass_coupling = AddedMassCoupling
+    linear_drag_coupling = LinearDragCoupling
+    quadratic_drag_coupling = QuadraticDragCoupling
 
     mass = parameter(11.5, "kg", "mass", low=1e-6)
     inertia_x = parameter(0.16, "kg.m2", "moment of inertia about x through the origin", low=1e-9)
@@ -326,13 +332,17 @@ class RovHull(OdeComponent):
         ),
     }
 
-    refusals = REFUSALS | {
-        NO_BODY: Refusal(
-            "moments of inertia that leave {refused[0]} kg.m2 about the centre of gravity",
-            "positive ones",
-            "The inertia is about the origin: that about the centre of gravity plus mass times the square of the distance.",
-        )
-    }
+    refusals = (
+        REFUSALS
+        | OF_COUPLING
+        | {
+            NO_BODY: Refusal(
+                "moments of inertia that leave {refused[0]} kg.m2 about the centre of gravity",
+                "positive ones",
+                "The inertia is about the origin: that about the centre of gravity plus mass times the square of the distance.",
+            )
+        }
+    )
 
     def states(self) -> int:
         """Position, quaternion, velocities, roll kept."""
@@ -343,8 +353,9 @@ class RovHull(OdeComponent):
 
         `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
         wrench per thrust, those of `further_thrusters` last.  `righting`: see `hull_equations`.  `matrix`: of the linear equations, and
-        workspace.  `refused`: (4,) numbers of a refusal.
+        workspace.  `refused`: (7,) numbers of a refusal.  `water`: (3, 6, 6) added mass, linear and quadratic drag beside their diagonals.
         """
+        coupled = {"added_mass_coupling", "linear_drag_coupling", "quadratic_drag_coupling"} & {*self.on}
         n = 8 if "further_thrusters" in self.on else 6
         return super().shapes() | {
             "rigid": (6, 6),
@@ -353,7 +364,8 @@ class RovHull(OdeComponent):
             "thrusters": (6, n),
             "righting": hull_equations.Righting,
             "matrix": (2, 12, 12),
-            "refused": 4,
+            "refused": 7,
+            "water": (3, 6, 6) if coupled else None,
         }
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -362,7 +374,17 @@ class RovHull(OdeComponent):
         in_python(rigid_mass)(p, rigid)
         if e.added_mass is not None:
             in_python(six)(e.added_mass, added)
-        return rigid, np.diag(added)
+        matrix = np.diag(added)
+        if e.added_mass_coupling is not None:
+            beside = np.zeros((6, 6))
+            in_python(fill_masses)(e.added_mass_coupling, beside)
+            matrix += beside
+        return rigid, matrix
+
+    @staticmethod
+    def _moved(s: Any, e: Any) -> np.ndarray:
+        """Added mass matrix, (6, 6), that the last initialization has computed."""
+        return np.diag(s.added) if e.added_mass_coupling is None else np.diag(s.added) + s.water[0]
 
     def energy(self) -> float:
         """Energy of the hull's motion, of the water's relative to the current, and of weight and buoyancy, J."""
@@ -371,7 +393,7 @@ class RovHull(OdeComponent):
         relative = velocity.copy()
         if e.current is not None:
             relative[:3] -= to_body(*q, *self.u[0, e.current.u : e.current.u + 3])
-        total = 0.5 * (velocity @ s.rigid @ velocity + relative @ np.diag(s.added) @ relative)
+        total = 0.5 * (velocity @ s.rigid @ velocity + relative @ self._moved(s, e) @ relative)
         if e.restoring is not None:
             total -= (e.restoring.weight - e.restoring.buoyancy) * x[2] + to_world(*q, *s.righting)[2]
         return float(total)
@@ -393,7 +415,11 @@ def hull_start(t, s, p, e):
     rigid_mass(p, s.rigid)
     if e.added_mass is not None:
         six(e.added_mass, s.added)
-    status = invert(s.rigid, s.added, s.inverse, s.matrix[0, :6, :6], s.matrix[1, 0, :6])
+    status = check_coupling(s, e, s.work[0], s.matrix[0, :6, :6], s.matrix[1, :6, :6])
+    if status != DONE:
+        return status
+    beside = s.water[0] if e.added_mass_coupling is not None else None
+    status = invert(s.rigid, s.added, beside, s.inverse, s.matrix[0, :6, :6], s.matrix[1, 0, :6])
     if status != DONE:
         return status
     if e.restoring is not None:
@@ -485,6 +511,11 @@ def hull_stable(t, s, p, e):
         for i in range(6):
             A[6 + i, j] = -s.inverse[i, j] * stiffness if j > 2 else 0.0
             A[6 + i, 6 + j] = -s.inverse[i, j] * (drag[j] + 2.0 * fastest * square[j])
+            for k in range(6):
+                if e.linear_drag_coupling is not None:
+                    A[6 + i, 6 + j] -= s.inverse[i, k] * s.water[1, k, j]
+                if e.quadratic_drag_coupling is not None:
+                    A[6 + i, 6 + j] -= s.inverse[i, k] * 2.0 * fastest * s.water[2, k, j]
     return step_within(RK4_STABILITY_RADIUS, max(spectral_radius(A, s.matrix[1]), spin))
 
 

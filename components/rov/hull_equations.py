@@ -7,6 +7,7 @@ import math
 from ..core.kernels import DONE, kernel
 from ..core.linear import solve_dense
 from ..core.rotation import quaternion_rate, to_body, to_world
+from .coupling import times
 
 
 class Righting:
@@ -70,6 +71,9 @@ def wrench(x, u, s, v, e):
             added = e.added_mass
             Px, Py, Pz = added.surge * rx, added.sway * ry, added.heave * rz
             Hx, Hy, Hz = added.roll * p, added.pitch * q, added.yaw * r
+            if e.added_mass_coupling is not None:
+                a, b, c, d, f, g = times(s.water[0], rx, ry, rz, p, q, r)
+                Px, Py, Pz, Hx, Hy, Hz = Px + a, Py + b, Pz + c, Hx + d, Hy + f, Hz + g
             X, Y, Z = X - (q * Pz - r * Py), Y - (r * Px - p * Pz), Z - (p * Py - q * Px)
             K -= q * Hz - r * Hy + ry * Pz - rz * Py
             M -= r * Hx - p * Hz + rz * Px - rx * Pz
@@ -82,6 +86,12 @@ def wrench(x, u, s, v, e):
         square = e.quadratic_drag
         X, Y, Z = X - square.surge * abs(rx) * rx, Y - square.sway * abs(ry) * ry, Z - square.heave * abs(rz) * rz
         K, M, N = K - square.roll * abs(p) * p, M - square.pitch * abs(q) * q, N - square.yaw * abs(r) * r
+    if e.linear_drag_coupling is not None:
+        a, b, c, d, f, g = times(s.water[1], rx, ry, rz, p, q, r)
+        X, Y, Z, K, M, N = X - a, Y - b, Z - c, K - d, M - f, N - g
+    if e.quadratic_drag_coupling is not None:
+        a, b, c, d, f, g = times(s.water[2], abs(rx) * rx, abs(ry) * ry, abs(rz) * rz, abs(p) * p, abs(q) * q, abs(r) * r)
+        X, Y, Z, K, M, N = X - a, Y - b, Z - c, K - d, M - f, N - g
     if e.restoring is not None:
         dx, dy, dz = to_body(w, i, j, k, 0.0, 0.0, 1.0)  # downwards
         weight = e.restoring.weight - e.restoring.buoyancy  # in water
@@ -95,6 +105,9 @@ def wrench(x, u, s, v, e):
         if e.coriolis is not None:
             ax, ay, az = ax - (q * cz - r * cy), ay - (r * cx - p * cz), az - (p * cy - q * cx)
         X, Y, Z = X + e.added_mass.surge * ax, Y + e.added_mass.sway * ay, Z + e.added_mass.heave * az
+        if e.added_mass_coupling is not None:
+            a, b, c, d, f, g = times(s.water[0], ax, ay, az, 0.0, 0.0, 0.0)
+            X, Y, Z, K, M, N = X + a, Y + b, Z + c, K + d, M + f, N + g
     if e.current is not None and e.pressure_gradient is not None:
         n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
@@ -130,13 +143,6 @@ def hull_derivatives(t, x, u, dx, s, p, e):
 
 # -- masses: matrices about the body's origin, (X, Y, Z, K, M, N) ----------------------------------------------------------
 THIRD = 2.0 * math.pi / 3.0
-
-
-@kernel
-def six(effect, row):
-    """The six coefficients of an effect into row, (6,)."""
-    row[0], row[1], row[2] = effect.surge, effect.sway, effect.heave
-    row[3], row[4], row[5] = effect.roll, effect.pitch, effect.yaw
 
 
 @kernel
@@ -177,12 +183,17 @@ def least_eigenvalue(a, b, c, ab, ac, bc):
 
 
 @kernel
-def invert(matrix, added, inverse, A, b):
-    """Inverse of a mass matrix, (6, 6), with added masses, (6,), on its diagonal; A, b: workspace; a status."""
+def invert(matrix, added, beside, inverse, A, b):
+    """Inverse of a mass matrix, (6, 6), with added masses, (6,), on its diagonal; A, b: workspace; a status.
+
+    beside: (6, 6) added mass beside the diagonal, or None.
+    """
     for k in range(6):
         for i in range(6):
             for j in range(6):
                 A[i, j] = matrix[i, j]
+                if beside is not None:
+                    A[i, j] += beside[i, j]
             A[i, i] += added[i]
             b[i] = 1.0 if i == k else 0.0
         status = solve_dense(A, b)

@@ -35,6 +35,9 @@ FACTS: dict[str, Facts] = {
             "pressure_gradient.displaced_mass": ({"current.acceleration_north": 0.1}, 1e-3),
             "further_thrusters.thrust[1]": ({}, 1e-4),
             **{f"external.{what}_{axis}": ({}, 1e-4) for what in ("force", "moment") for axis in "xyz"},
+            "added_mass_coupling.force[2]": ({}, 1e-3),
+            "linear_drag_coupling.force_by_speed[2]": ({}, 1e-3),
+            "quadratic_drag_coupling.force_by_speed[2]": ({}, 1e-4),
         },
         structural=frozenset({"coriolis"}),
         # the water's acceleration acts on added mass only, which the effect alone has not
@@ -43,6 +46,13 @@ FACTS: dict[str, Facts] = {
             | {f"current.acceleration_{way}" for way in ("north", "east", "down")}
             | {f"tether.attachment_{axis}" for axis in "xyz"}
             | {f"pressure_gradient.centre_{axis}" for axis in "xyz"}
+            | {f"added_mass_coupling.{name}" for name in ("force", "mixed", "moment")}
+            | {
+                f"{kind}_drag_coupling.{load}_by_{way}"
+                for kind in ("linear", "quadratic")
+                for load in ("force", "moment")
+                for way in ("speed", "rate")
+            }
             | {f"further_thrusters.thruster_{axis}" for axis in "xyz"}
             | {f"further_thrusters.thruster_direction_{axis}" for axis in "xyz"}
         ),
