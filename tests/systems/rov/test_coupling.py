@@ -7,7 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import in_python
 from cosimo.components.rov.coupling import fill_drag, fill_masses, least_square_power
-from cosimo.components.rov.hull import AXES, RovHull
+from cosimo.components.rov.hull import RovHull
+from cosimo.components.rov.vehicles import AXES
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize, root
 from scipy.spatial.transform import Rotation

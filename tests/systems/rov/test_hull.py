@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.rov.hull import AXES, WATER, RovHull
+from cosimo.components.rov.hull import RovHull
 from cosimo.components.rov.hull_equations import hull_derivatives
+from cosimo.components.rov.vehicles import AXES, WATER
 from cosimo.tests.slopes import orders
 from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.rov.hull import WATER, RovHull
+from cosimo.components.rov.hull import RovHull
+from cosimo.components.rov.vehicles import WATER
 from scipy.spatial.transform import Rotation
 
 BALL = {f"inertia_{a}": 0.16 for a in "xyz"} | {"centre_of_gravity_z": 0.0}  # keeps any angular velocity

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .....components.rov.hull import WATER, RovHull
+from .....components.rov.hull import RovHull
+from .....components.rov.vehicles import WATER
 from ....harness.analysis.sections import swing_frequency
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result

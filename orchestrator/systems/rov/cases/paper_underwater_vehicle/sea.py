@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ......components.rov.hull import WATER, RovHull
+from ......components.rov.hull import RovHull
+from ......components.rov.vehicles import WATER
 from ......components.rov.waves import wave_number
 from .....harness.validation import Runs
 from .....scene.build import unit
