@@ -21,7 +21,7 @@ from ..core.spectrum import spectral_radius
 from ..core.variables import parameter
 
 NEGATIVE_MASS, DRIVING_DRAG, DRIVING_SQUARE, LONE = OWN + 2, OWN + 3, OWN + 4, OWN + 7  # statuses
-ROUNDING = 1e-5  # of an eigenvalue, where the diagonal is 1: tables are printed with four or five digits
+PRINTED = 1e-5  # of an eigenvalue, where the diagonal is 1: tables are printed with four or five digits
 DOWNWARDS, STEP = 100, 0.1  # steps of a descent, and how far each follows the slope, where the diagonal is 1
 VELOCITY = "({refused[1]}, {refused[2]}, {refused[3]}) m/s, ({refused[4]}, {refused[5]}, {refused[6]}) rad/s"
 REFUSALS = {
@@ -225,7 +225,7 @@ def check_coupling(s, e, diagonal, A, B):
         if refused[0] > 0.0:
             return LONE
         refused[0] = least_eigenvalue_scaled(s.added, s.water[0], A, B)
-        if not refused[0] >= -ROUNDING:
+        if not refused[0] >= -PRINTED:
             return NEGATIVE_MASS
     if e.linear_drag_coupling is not None:
         fill_drag(e.linear_drag_coupling, s.water[1])
@@ -234,7 +234,7 @@ def check_coupling(s, e, diagonal, A, B):
         if refused[0] > 0.0:
             return LONE
         refused[0] = least_eigenvalue_scaled(diagonal, s.water[1], A, B)
-        if not refused[0] >= -ROUNDING:
+        if not refused[0] >= -PRINTED:
             return DRIVING_DRAG
     if e.quadratic_drag_coupling is not None:
         fill_drag(e.quadratic_drag_coupling, s.water[2])
@@ -243,7 +243,7 @@ def check_coupling(s, e, diagonal, A, B):
         if refused[0] > 0.0:
             return LONE
         least = least_square_power(diagonal, s.water[2], A, B, refused[1:])
-        if not least >= -ROUNDING:
+        if not least >= -PRINTED:
             refused[0] = -least
             for i in range(6):
                 refused[1 + i] = refused[1 + i] / diagonal[i] ** (1.0 / 3.0) if diagonal[i] > 0.0 else 0.0
