@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from math import floor, isfinite, log10
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,8 @@ def shown(value: float, deviation: float) -> str:
 class Parameter:
     """A parameter or an input at the end of the measurement. before: expected, with its deviation.  low, high: of 95 %.
 
-    error: numerical, of the steps; NaN where it is not known.  walks: it is no constant.  bounds: that it keeps.
+    error: numerical, of the steps, by which low and high stand further out; NaN where it is not known.  deviation: without it.
+    walks: it is no constant.  bounds: that it keeps.
     """
 
     name: str
@@ -73,6 +74,11 @@ class Parameter:
             bounds,
         )
 
+    def with_error(self, error: float) -> Parameter:
+        """With a numerical error, which the band then holds, too."""
+        low, high = max(self.low - error, self.bounds.low), min(self.high + error, self.bounds.high)
+        return replace(self, low=low, high=high, error=error)
+
     def to_json(self) -> dict[str, Any]:
         """As plain data."""
         return {
@@ -90,7 +96,8 @@ class Parameter:
 class FigureBand:
     """A figure: value, deviation, and 95 % between low and high, of the paths.
 
-    at_mean: of the smoothed means.  error: numerical, of the steps; NaN where it is not known.
+    at_mean: of the smoothed means.  error: numerical, of the steps, by which low and high stand further out; NaN where it is not
+    known.
     """
 
     name: str
@@ -101,6 +108,10 @@ class FigureBand:
     high: float
     at_mean: float
     error: float = float("nan")
+
+    def with_error(self, error: float) -> FigureBand:
+        """With a numerical error, which the band then holds, too; NaN where it is not known."""
+        return replace(self, low=self.low - error, high=self.high + error, error=error) if isfinite(error) else self
 
     def to_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -114,7 +125,7 @@ class Estimate:
 
     how: the filter.  names: of signals and states, with units by name.  history: over time, see `series` and `walk`.  learnt: the
     same by the measurements up to each time alone.  figures: of the scene, over all that was
-    measured.  noise: (k,) of the signals.  errors: numerical, rms over time, by name.
+    measured.  noise: (k,) of the signals.  steps: numerical errors over time, (n, k) of `names`.
     posterior: of constants, where runs follow from them.
     """
 
@@ -131,7 +142,7 @@ class Estimate:
     noise: np.ndarray
     verdict: Verdict
     figures: tuple[FigureBand, ...] = ()
-    errors: Mapping[str, float] = field(default_factory=dict)
+    steps: np.ndarray | None = None
     posterior: Posterior | None = None
 
     @property
@@ -155,22 +166,35 @@ class Estimate:
         pick(name, known, "estimate", "an estimated parameter")
         return known[name]
 
+    @property
+    def errors(self) -> dict[str, float]:
+        """Numerical errors, rms over time, by name; empty where they are not known."""
+        return {} if self.steps is None else dict(zip(self.names, np.sqrt(np.mean(self.steps**2, axis=0)).tolist(), strict=True))
+
     def series(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """(mean, standard deviation), (n,) each, of a signal or a state over `time`."""
         pick(name, self.names, "estimate", "a recorded output or a state")
         k = self.names.index(name)
         return self.history.values[:, k], self.history.deviations[:, k]
 
+    def band(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(mean, low, high), (n,) each, of a signal or a state over `time`; low, high: of 95 %, with the numerical error."""
+        mean, deviation = self.series(name)
+        reach = REACH * deviation + (0.0 if self.steps is None else self.steps[:, self.names.index(name)])
+        return mean, mean - reach, mean + reach
+
     def walk(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(value, low, high), (n,) each, over `time`: of an input that walks as it was, of a constant as it was learnt.
 
-        low, high: of 95 %.
+        low, high: of 95 %, with the numerical error at the end.
         """
         parameter, k = self[name], [p.name for p in self.parameters].index(name)
         known = self.history if parameter.walks else self.learnt
         q, deviation = known.q[:, k], REACH * known.q_deviations[:, k]
         ends = [np.array([parameter.bounds.outer(v) for v in values]) for values in (q, q - deviation, q + deviation)]
-        return ends[0], ends[1], ends[2]
+        error = parameter.error if isfinite(parameter.error) else 0.0
+        low, high = parameter.bounds.low, parameter.bounds.high
+        return ends[0], np.maximum(ends[1] - error, low), np.minimum(ends[2] + error, high)
 
     def __repr__(self) -> str:
         lines = [f"<Estimate of {self.scene.name}: {self.how}>", str(self.verdict)]
@@ -181,17 +205,16 @@ class Estimate:
 
     def save(self, directory: str | Path) -> list[Path]:
         """Write estimate.json, states.csv and innovations.csv."""
-        history, names = self.history, [p.name for p in self.parameters]
+        names = [p.name for p in self.parameters]
         units = {**self.units, **{p.name: p.unit for p in self.parameters}}
         walks = {n: self.walk(n) for n in names}
         header = ["time [s]"]
         for n in (*self.names, *names):
             unit = f" [{units[n]}]" if units[n] not in ("", "1") else ""
             header += [f"{n}{unit}", f"{n}, low{unit}", f"{n}, high{unit}"]
-        reach = REACH * history.deviations
         columns = [self.time]
-        for k in range(len(self.names)):
-            columns += [history.values[:, k], history.values[:, k] - reach[:, k], history.values[:, k] + reach[:, k]]
+        for n in self.names:
+            columns += list(self.band(n))
         for n in names:
             columns += list(walks[n])
         i = self.innovations
@@ -232,5 +255,5 @@ class Estimate:
                 "texts": list(self.observability.texts),
             },
             "log_likelihood": self.log_likelihood,
-            "errors": dict(self.errors),
+            "errors": self.errors,
         }

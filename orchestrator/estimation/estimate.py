@@ -195,7 +195,7 @@ class Record:
 def _with_numerical_errors(
     answer: Estimate, scene: Scene, plan: EstimateSettings, measured: Measurements, where: str
 ) -> Estimate:
-    """Twice the change of the estimates when all steps are halved."""
+    """Twice the change of the estimates when all steps are halved, with bands that hold it, too."""
     first = np.nextafter(min(answer.innovations.time), -np.inf)  # a shorter step would begin with earlier samples
     known = replace(measured.within(first, np.inf), noise=answer.noise)
     try:
@@ -208,10 +208,10 @@ def _with_numerical_errors(
         text = f"half of all steps explain the measurement better by {gain:.3g} log units: reduce master.step"
         answer = replace(answer, verdict=replace(answer.verdict, remarks=(*answer.verdict.remarks, text)))
     parameters = tuple(
-        replace(p, error=2.0 * abs(p.value - h.value)) for p, h in zip(answer.parameters, halved.parameters, strict=True)
+        p.with_error(2.0 * abs(p.value - h.value)) for p, h in zip(answer.parameters, halved.parameters, strict=True)
     )
     again = {f.name: f.at_mean for f in halved.figures}
-    figures = tuple(replace(f, error=2.0 * abs(f.at_mean - again.get(f.name, np.nan))) for f in answer.figures)
+    figures = tuple(f.with_error(2.0 * abs(f.at_mean - again.get(f.name, np.nan))) for f in answer.figures)
     large = [p.name for p in parameters if p.error > LARGE * p.deviation]
     large += [f.name for f in figures if f.error > LARGE * f.deviation]
     if large:
@@ -219,5 +219,4 @@ def _with_numerical_errors(
         answer = replace(answer, verdict=replace(answer.verdict, remarks=(*answer.verdict.remarks, text)))
     own, other = answer.history, halved.history
     change = np.array([np.interp(own.time, other.time, v) for v in other.values.T]).T - own.values
-    errors = dict(zip(answer.names, 2.0 * np.sqrt(np.mean(change**2, axis=0)), strict=True))
-    return replace(answer, parameters=parameters, figures=figures, errors={n: float(e) for n, e in errors.items()})
+    return replace(answer, parameters=parameters, figures=figures, steps=2.0 * np.abs(change))

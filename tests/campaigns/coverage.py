@@ -1,13 +1,15 @@
 """How often bands of 95 % hold the truth: machines whose unknown numbers are drawn from what the plan expects, with noise of each seed.
 
-python -m cosimo.tests.campaigns.coverage                 # the table of docs/estimation.md; an hour
-python -m cosimo.tests.campaigns.coverage gimbal 5        # of one machine, with the seeds 0 to 4
-python -m cosimo.tests.campaigns.coverage gimbal 5 half   # the truth takes half of the steps; estimates have their numerical errors
-python -m cosimo.tests.campaigns.coverage gimbal 5 chance # no estimates: how far the noise alone pulls them
+python -m cosimo.tests.campaigns.coverage                   # the table of docs/estimation.md; an hour
+python -m cosimo.tests.campaigns.coverage gimbal 5          # of one machine, with the seeds 0 to 4
+python -m cosimo.tests.campaigns.coverage gimbal 5 half     # the truth takes half of the steps
+python -m cosimo.tests.campaigns.coverage bearing 5 solved  # the truth is solved from equations that share no code with the model
+python -m cosimo.tests.campaigns.coverage gimbal 5 chance   # no estimates: how far the noise alone pulls them
+python -m cosimo.tests.campaigns.coverage gimbal 5 wrong    # whether the verdict rejects a wrong model, and beside it the right one
 
-The truth has no disturbances; so the model has none either. Bands are those of noise alone: the numerical error stands beside them. So
-the truth takes the model's steps. Where it takes half of them, bands hold less, and a remark has to say so. A mass on a spring has
-disturbances; its truth is a closed form.
+The truth has no disturbances; so the model has none either. Bands without numerical errors are those of noise alone, and of a truth that
+takes the model's steps. Where the truth takes half of them, or is solved, bands hold numerical errors, too. A mass on a spring has
+disturbances; its truth is a closed form. Verdicts on a wrong model doubt what the tests doubt.
 """
 
 from __future__ import annotations
@@ -28,21 +30,21 @@ from cosimo.orchestrator.estimation.measurements import measurements_of
 from cosimo.orchestrator.estimation.posterior import MAY_NOT, Runs
 from cosimo.orchestrator.scene.measured import positive
 from cosimo.orchestrator.scene.names import declared
-from cosimo.tests.estimation.machines import BEARING, CATENARY, GIMBAL, TROCAR, VEHICLE, WIND_PUMP, Machine
+from cosimo.tests.estimation.machines import BEARING, CATENARY, GIMBAL, LOST, TROCAR, VEHICLE, WIND_PUMP, Machine, Solved
 from cosimo.tests.estimation.oscillator import SIGNAL, Oscillator
 from scipy.stats import beta
 
 SEEDS = 100
+SAME, HALF, SOLVED = "same", "half", "solved"  # the truth: of the model's steps, of half of them, of equations that share no code
 NUMERICAL = "the numerical error of"  # a remark begins so
 COARSE = {"bearing.displacement_x": 1e-6, "bearing.displacement_y": 1e-6}, {"body.outer_angle": 3e-3, "body.inner_angle": 3e-3}
+TESTED = {"bearing": BEARING, "gimbal": GIMBAL, "trocar": TROCAR, "vehicle": LOST, "catenary": CATENARY, "wind-pump": WIND_PUMP}
 MACHINES = {
+    **TESTED,
+    "vehicle": VEHICLE,
     "bearing": replace(BEARING, noise=COARSE[0]),
     "gimbal": replace(GIMBAL, noise=COARSE[1]),
     "gimbal-near": replace(GIMBAL, noise=COARSE[1], unknown={n: {"deviation": "5 %"} for n in GIMBAL.unknown}),
-    "trocar": TROCAR,
-    "vehicle": VEHICLE,
-    "catenary": CATENARY,
-    "wind-pump": WIND_PUMP,
 }
 SPRING = "spring"
 Draw = tuple[cosimo.Scene, dict[str, Any], dict[str, float], dict[str, tuple[np.ndarray, np.ndarray]]]  # model, plan, truth, data
@@ -118,22 +120,40 @@ def drawn(machine: Machine, scene: cosimo.Scene, seed: int) -> dict[str, float]:
     return values
 
 
-def draws(machine: Machine, seeds: Sequence[int], half: bool = False) -> Iterator[Draw]:
-    """Of a machine; half: the truth takes half of the steps."""
-    model = machine.model()
-    step = (0.5 if half else 1.0) * model.master.step
-    every = round(machine.every * machine.truth.get("master.step", model.master.step) / step)
-    sampled, plan = replace(machine, every=every), machine.plan(states={}, suspected=[], smooth=False)
-    with cosimo.open(machine.model(**{"master.step": step})) as truth:
-        for seed in seeds:
-            values = drawn(machine, model, seed)
+def truths(machine: Machine, values: Sequence[Mapping[str, float]], kind: str = SAME) -> Iterator[cosimo.Result | Solved]:
+    """Of a machine with each of the values."""
+    model = machine.model(**machine.happens)
+    if kind == SOLVED:
+        yield from (machine.truth(one) for one in values)
+        return
+    with cosimo.open(model.with_changes({"master.step": model.master.step * (0.5 if kind == HALF else 1.0)})) as truth:
+        for one in values:
             truth.reset()
-            for name, value in values.items():
+            for name, value in one.items():
                 truth[name] = value
             truth.initialize()
             truth.record()
             truth.until(model.stop_time)
-            yield model, plan, values, sampled.measured(truth.result(), seed)
+            yield truth.result()
+
+
+def draws(machine: Machine, seeds: Sequence[int], kind: str = SAME) -> Iterator[Draw]:
+    """Of a machine, for its bands."""
+    model, plan = machine.model(), machine.plan(states={}, suspected=[], smooth=False)
+    values = [drawn(machine, model, seed) for seed in seeds]
+    for seed, one, truth in zip(seeds, values, truths(machine, values, kind), strict=True):
+        yield model, plan, one, machine.measured(truth, seed)
+
+
+def judged(machine: Machine, seeds: Sequence[int], wrong: bool) -> Iterator[bool]:
+    """Whether a model is rejected with each seed: a wrong one, or the right one. There are no disturbances, as for bands."""
+    model = machine.model(**(machine.wrong if wrong else {}))
+    plan, true = machine.plan(states={}, smooth=False), machine if wrong else replace(machine, happens={})
+    values = [drawn(machine, machine.model(), seed) for seed in seeds]
+    some = zip(seeds, values, truths(true, values), strict=True)
+    with ExitStack() as stack:
+        for *_, record in recorded(((model, plan, one, machine.measured(truth, seed)) for seed, one, truth in some), stack):
+            yield not record.answer().explains
 
 
 def springs(seeds: Sequence[int]) -> Iterator[Draw]:
@@ -186,17 +206,22 @@ def chances(drawn_: Iterator[Draw]) -> np.ndarray:
 
 def main(arguments: Sequence[str]) -> None:
     """The rows of the table."""
-    count = int(arguments[1]) if len(arguments) > 1 else SEEDS
-    half, chance = (word in arguments[2:] for word in ("half", "chance"))
+    count = range(int(arguments[1]) if len(arguments) > 1 else SEEDS)
+    word = arguments[2] if len(arguments) > 2 else SAME
     for name in arguments[:1] or (*MACHINES, SPRING):
-        some = springs(range(count)) if name == SPRING else draws(MACHINES[name], range(count), half)
-        if chance:
+        if word == "wrong":
+            found = (np.array(list(judged(TESTED[name], count, one))) for one in (True, False))
+            cells = (f"{one.sum()} of {one.size} ({_ends(one[:, None])})" for one in found)
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+            continue
+        some = springs(count) if name == SPRING else draws(MACHINES[name], count, SAME if word == "chance" else word)
+        if word == "chance":
             pulls = chances(some)
             print(
                 f"| {name} | mean {pulls.mean():.2f} | {', '.join(f'{p:.1f}' for p in np.sort(pulls)[::-1][:20])} |", flush=True
             )
         else:
-            print(coverage(some, half).row(name), flush=True)
+            print(coverage(some, word != SAME).row(name), flush=True)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.estimation.answer import REACH
 from cosimo.orchestrator.estimation.bounds import Bounds
 from cosimo.orchestrator.estimation.model import Unknown
 from cosimo.orchestrator.estimation.posterior import MAY_NOT, Runs, posterior
@@ -157,7 +158,7 @@ def test_threads_change_no_number():
 @machine_code
 @pytest.mark.parametrize(("h", "noise", "said"), [(0.025, 5e-4, True), (0.005, 0.02, False)])
 def test_an_error_of_the_steps_beside_a_narrow_band_is_said(h, noise, said):
-    """The truth is a closed form: bands of noise alone miss it by far with long steps, and the numerical error says by how much."""
+    """The truth is a closed form: bands of noise alone would miss it by far with long steps; the numerical error widens them."""
     case = Oscillator(h=h, every=round(0.05 / h), count=40, noise=noise)
     y = swing(104.0, case.times) + noise * np.random.default_rng(7).standard_normal(case.count)
     changes = {"estimated": {"spring.stiffness": {"deviation": "10 %"}}, "states": {}, "suspected": []}
@@ -165,7 +166,12 @@ def test_an_error_of_the_steps_beside_a_narrow_band_is_said(h, noise, said):
     stiffness = found["spring.stiffness"]
     off = abs(stiffness.value - 104.0)
     assert (off > 3.0 * stiffness.deviation) == said
-    assert off < stiffness.error + 3.0 * stiffness.deviation
+    assert stiffness.low < 104.0 < stiffness.high
+    mean, low, high = found.band(SIGNAL)
+    exact = swing(104.0, found.time)
+    assert np.mean((low < exact) & (exact < high)) > 0.95
+    assert (np.mean(np.abs(exact - mean) < REACH * found.series(SIGNAL)[1]) < 0.5) == said  # of noise alone
+    assert stiffness.high - stiffness.low == pytest.approx(2.0 * (stiffness.error + REACH * stiffness.deviation), rel=0.05)
     text = "the numerical error of spring.stiffness is more than half of a standard deviation: reduce master.step"
     assert (text in found.verdict.remarks) == said
 

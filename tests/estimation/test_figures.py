@@ -45,9 +45,12 @@ def test_bands_of_figures_are_those_of_the_joint_distribution_of_the_path():
 
 def test_figures_have_a_numerical_error_beside_the_statistical_one():
     truth = Oscillator(h=0.02, every=5, count=30, kick=0.0)
-    found = truth.estimate(truth.drawn(3)[0], figures=[LARGEST], suspected=[], states={}, halved=True)
+    found, alone = (
+        truth.estimate(truth.drawn(3)[0], figures=[LARGEST], suspected=[], states={}, halved=h) for h in (True, False)
+    )
     (figure,) = found.figures
     assert figure.error > 0.0
+    assert [figure.low, figure.high] == [alone.figures[0].low - figure.error, alone.figures[0].high + figure.error]
     assert found.to_json()["figures"][LARGEST]["error"] == figure.error
     assert any("numerical error of" in text for text in found.verdict.remarks) == any(
         one.error > 0.5 * one.deviation for one in (*found.parameters, *found.figures)

@@ -1,6 +1,7 @@
-"""Six machines, each against a truth of another packaging or another step, with noise, and with a model error that must be noticed.
+"""Six machines, each against a truth of another model or another packaging, with noise, and with a model error that must be noticed.
 
-Truth runs as FMUs of pythonfmu, or with half of the macro step, and never with the numbers that the model has: see `machines`.
+Truth is the solution of equations that share no code with the model, or runs as FMUs of pythonfmu, and never with the numbers that the
+model has: see `machines`.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.estimation.machines import BEARING, CATENARY, GIMBAL, TROCAR, VEHICLE, WIND_PUMP
+from cosimo.tests.estimation.machines import BEARING, CATENARY, CLEARANCE, FORCE, GIMBAL, LOAD, LOST, TROCAR, VEHICLE, WIND_PUMP
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 
@@ -20,25 +21,25 @@ def within(found, name, value, numerical=0.0):
 
 
 def test_the_clearance_and_the_load_of_a_bearing_from_displacements():
-    data = BEARING.measured(BEARING.run({"bearing.clearance.radial_clearance": 5e-6, "bearing.load": 206.0}))
+    data = BEARING.measured(BEARING.truth({CLEARANCE: 5e-6, LOAD: 206.0}))
     found = BEARING.estimate(data)
     assert found.explains
-    assert within(found, "bearing.clearance.radial_clearance", 5e-6)
-    assert within(found, "bearing.load", 206.0)
-    assert found["bearing.clearance.radial_clearance"].deviation < 1e-7
-    fast = BEARING.estimate(data, BEARING.model(**{"bearing.speed": 1.01 * 104.72}))
+    assert within(found, CLEARANCE, 5e-6)
+    assert within(found, LOAD, 206.0)
+    assert found[CLEARANCE].deviation < 1e-7
+    fast = BEARING.estimate(data, BEARING.model(**BEARING.wrong))
     assert not fast.explains  # a speed that is 1 % wrong
     assert "bearing.speed" in str(fast.verdict)
 
 
 @pytest.mark.full
 def test_the_inertia_of_a_gimbal_from_its_angles():
-    data = GIMBAL.measured(GIMBAL.run({"body.frame_inertia": 0.022, "body.inner_inertia": 0.045}))
+    data = GIMBAL.measured(GIMBAL.truth({"body.frame_inertia": 0.022, "body.inner_inertia": 0.045}))
     found = GIMBAL.estimate(data)
     assert found.explains
     assert within(found, "body.frame_inertia", 0.022)
     assert within(found, "body.inner_inertia", 0.045)
-    sticky = GIMBAL.estimate(data, GIMBAL.model(**{"body.stick_friction.outer_level": 0.08}))
+    sticky = GIMBAL.estimate(data, GIMBAL.model(**GIMBAL.wrong))
     assert not sticky.explains
     level = next(s for s in sticky.verdict.suspects if s.name == "body.stick_friction.outer_level")
     assert level.at + level.change == pytest.approx(0.05, abs=3.0 * level.deviation)
@@ -46,38 +47,38 @@ def test_the_inertia_of_a_gimbal_from_its_angles():
 
 @pytest.mark.full
 def test_the_contact_force_of_a_pantograph_that_nobody_measures():
-    run = CATENARY.run({"pantograph.static_force": 126.0})
+    run = CATENARY.truth({FORCE: 126.0})
     data = CATENARY.measured(run)
     found = CATENARY.estimate(data)
     assert found.explains
-    assert within(found, "pantograph.static_force", 126.0)
+    assert within(found, FORCE, 126.0)
     force, deviation = found.series("pantograph.contact_force")
     true = np.interp(found.time, run.time, run["pantograph.contact_force"])
     late = found.time > 0.3
     assert np.mean(np.abs(force - true)[late] < 1.96 * deviation[late]) > 0.92
     assert np.sqrt(np.mean((force - true)[late] ** 2)) < 1.0  # N, of a force that moves by 14 N
-    soft = CATENARY.estimate(data, CATENARY.model(**{"catenary.mean_stiffness": 0.95 * 2807.0}))
+    soft = CATENARY.estimate(data, CATENARY.model(**CATENARY.wrong))
     assert not soft.explains  # a tension that is 5 % wrong
 
 
 @pytest.mark.full
 def test_the_head_of_a_wind_pump_from_speeds_and_wind():
-    data = WIND_PUMP.measured(WIND_PUMP.run({"pipe.static_head": 22.0}))
+    data = WIND_PUMP.measured(WIND_PUMP.truth({"pipe.static_head": 22.0}))
     found = WIND_PUMP.estimate(data)
     assert found.explains
     assert within(found, "pipe.static_head", 22.0)
-    light = WIND_PUMP.estimate(data, WIND_PUMP.model(**{"converter.lever_mass": 44.0}))
+    light = WIND_PUMP.estimate(data, WIND_PUMP.model(**WIND_PUMP.wrong))
     assert not light.explains
 
 
 @pytest.mark.full
 def test_the_friction_of_a_trocar_from_feed_rotation_and_currents():
     """Joints that stick and slip, a controller that samples every second step, by the extended filter."""
-    data = TROCAR.measured(TROCAR.run({"wheels.trocar_friction.level": 2.3}))
+    data = TROCAR.measured(TROCAR.truth({"wheels.trocar_friction.level": 2.3}))
     found = TROCAR.estimate(data)
     assert found.explains
     assert within(found, "wheels.trocar_friction.level", 2.3)
-    stiff = TROCAR.estimate(data, TROCAR.model(**{"first_motor.shaft_friction.level": 0.016}))
+    stiff = TROCAR.estimate(data, TROCAR.model(**TROCAR.wrong))
     assert not stiff.explains
 
 
@@ -86,8 +87,7 @@ WRENCH = ("force_z", "moment_x", "moment_y")
 
 @pytest.mark.full
 def test_the_current_and_a_lost_thruster_of_an_underwater_vehicle():
-    fault = {"signal": "thruster_4.thrust", "kind": "override", "value": 0.0, "begin": 8.0}
-    data = VEHICLE.measured(VEHICLE.run({"faults": [fault], "current.speed": 0.25}))
+    data = VEHICLE.measured(LOST.truth({"current.speed": 0.25}))
     known = VEHICLE.estimate(data)
     assert not known.explains  # without a loss
     assert "8." in str(known.verdict) or "9." in str(known.verdict)

@@ -1,4 +1,4 @@
-"""What `run --accuracy 1%` promises, against solutions that share no code with the runs: equations written here, closed forms.
+"""What `run --accuracy 1%` promises, against solutions that share no code with the runs: equations of tests, closed forms.
 
 A study finds the setting with a reference of its own; here the run at that setting is compared with a solution that the study
 does not know. The study's reference, too, has to be as good as it says.
@@ -13,21 +13,13 @@ from cosimo.orchestrator.harness.studies.fronts import choose
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
-from scipy.integrate import solve_ivp
+from cosimo.tests.systems.equations import CLEARANCE, LOAD, ball_bearing, lumped_catenary, solved
 
 G = 9.81  # m/s2
 ACCURACY = 0.01
 BUDGET = 5.0  # s of measuring, beside the reference
 RAILWAY_BUDGET = 60.0  # s; a finer mesh may take a twentieth of it, on a busy machine, too
 FINE = 10_000  # instants of an independent solution beside those of the run
-
-
-def solved(rates, start, t, **options):
-    """States (n, len(t)) of x' = rates(t, x)."""
-    options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12} | options
-    solution = solve_ivp(rates, (0.0, float(t[-1])), start, t_eval=t, **options)
-    assert solution.success
-    return solution.y
 
 
 def mass_on_spring(t):
@@ -145,63 +137,6 @@ def rov_tumbling(t):
     }
 
 
-def lumped_catenary(t):
-    """Pantograph of EN 50318:2002 under a mass on a spring whose stiffness varies along the span; a contact that can open."""
-    harmonics = np.array([0.3603, 0.0977, -0.0004, -0.0392, -0.0489, -0.0437, -0.0332, -0.0253, -0.0284, 0.0165])
-    orders = np.arange(1, 11)
-
-    def stiffness(x):
-        return 2807.0 * (1.0 + harmonics @ np.cos(2.0 * np.pi * orders * x / 60.0))
-
-    def rates(s, x):
-        wire, head, frame, wire_rate, head_rate, frame_rate = x
-        contact = max(50e3 * (head - wire), 0.0)
-        between = 4200.0 * (head - frame) + 10.0 * (head_rate - frame_rate)
-        return [
-            wire_rate,
-            head_rate,
-            frame_rate,
-            (contact - 328.6 * wire_rate - stiffness(30.0 + 69.444444 * s) * wire) / 8.775,
-            (-between - contact) / 7.2,
-            (between - 50.0 * frame - 90.0 * frame_rate + 120.0) / 15.0,
-        ]
-
-    soft = 1.0 / stiffness(30.0) + 1.0 / 50e3 + 1.0 / 4200.0  # at rest: the frame's spring takes a share of the 120 N
-    force = 120.0 / (1.0 + 50.0 * soft)
-    wire, head, frame = force / stiffness(30.0), force * (soft - 1.0 / 4200.0), force * soft
-    x = solved(rates, [wire, head, frame, 0.0, 0.0, 0.0], t, max_step=2e-3)
-    return {
-        "catenary.wire_height": x[0],
-        "pantograph.head_height": x[1],
-        "pantograph.frame_height": x[2],
-        "pantograph.contact_force": np.maximum(50e3 * (x[1] - x[0]), 0.0),
-    }
-
-
-def ball_bearing(t):
-    """Eight Hertzian contacts of exponent 1.5 that run around with the cage; start from the static position under the load."""
-    balls = 2.0 * np.pi / 8.0 * np.arange(8)
-    cage = 104.71975511965978 * 0.5 * (1.0 - 11.9 / 52.0)
-
-    def force(x, y, angle):
-        direction = np.array([np.cos(balls + angle), np.sin(balls + angle)])
-        return direction @ (1.334e10 * np.maximum(direction.T @ [x, y] - BEARING_CLEARANCE, 0.0) ** 1.5)
-
-    def rates(s, state):
-        fx, fy = force(state[0], state[1], cage * s)
-        return [state[2], state[3], (BEARING_LOAD - fx - 200.0 * state[2]) / 20.0, (-fy - 200.0 * state[3]) / 20.0]
-
-    low, high = 0.0, 1e-3
-    for _ in range(100):  # the static position lies on the line of the load: ball 1 stands on it
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if force(middle, 0.0, 0.0)[0] < BEARING_LOAD else (low, middle)
-    x = solved(rates, [low, 0.0, 0.0, 0.0], t, rtol=1e-9, atol=1e-14, max_step=1e-4)
-    return {f"bearing.{n}": x[k] for k, n in enumerate(("displacement_x", "displacement_y", "velocity_x", "velocity_y"))}
-
-
-BEARING_CLEARANCE, BEARING_LOAD = 5e-6, 200.0  # m, N
-
-
 def jeffcott(t):
     """10 kg on 1e5 N/m and 40 N.s/m, 10 um off centre at 80 rad/s from rest: forced and free oscillation in closed form."""
     m, c, k, w = 10.0, 40.0, 1e5, 80.0
@@ -250,11 +185,7 @@ BEARING = {
     "stop_time": 0.1,
     "analysis": {},
     "sweep": {},
-    "units.bearing.parameters": {
-        "speed": 104.71975511965978,
-        "clearance.radial_clearance": BEARING_CLEARANCE,
-        "load": BEARING_LOAD,
-    },
+    "units.bearing.parameters": {"speed": 104.71975511965978, "clearance.radial_clearance": CLEARANCE, "load": LOAD},
 }
 SYSTEMS = {
     "mass-on-spring": (mass_on_spring, lambda: load_scene("mass-on-spring").with_changes({"stop_time": 3.0})),

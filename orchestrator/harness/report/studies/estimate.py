@@ -35,7 +35,8 @@ def for_estimate(study: Estimate, directory: str | Path) -> Path:
         sections.append(Section("Key results", [figure_cells(study)]))
     sections.append(Section("Measurements", [_measured(study), _innovations(study)]))
     sections.append(Section("States", [_states(study)]))
-    lead = f"{len(study.innovations.which)} measurements, {study.how}. Bands hold 95 %."
+    beside = "" if study.steps is None else " and, beyond, the numerical error"
+    lead = f"{len(study.innovations.which)} measurements, {study.how}. Bands hold 95 %{beside}."
     return write_page(Page(study.scene.title or study.scene.name, lead, sections), Path(directory) / "report.html")
 
 
@@ -106,9 +107,8 @@ def _measured(study: Estimate) -> Figure:
     i, panels = study.innovations, []
     which, time, values = np.array(i.which), np.array(i.time), np.array(i.measured)
     for k, (name, unit) in enumerate(zip(study.measured.signals, study.measured.units, strict=True)):
-        mean, deviation = study.series(name)
         dots = Series("measured", time[which == k], values[which == k], "dots")
-        panels.append(_band(f"{name}, {unit}", study.time, mean, mean - REACH * deviation, mean + REACH * deviation, dots))
+        panels.append(_band(f"{name}, {unit}", study.time, *study.band(name), dots))
     noise = "; ".join(
         f"{n}: {s:.3g} {u}{' (estimated)' if np.isnan(g) else ''}"
         for n, s, u, g in zip(study.measured.signals, study.noise, study.measured.units, study.measured.noise, strict=True)
@@ -138,10 +138,7 @@ def _innovations(study: Estimate) -> Figure:
 def _states(study: Estimate) -> Figure:
     panels = []
     for name in [n for n in study.names if n not in study.measured.signals][:MOST]:
-        mean, deviation = study.series(name)
-        if deviation.any():
+        if study.series(name)[1].any():
             unit = study.units[name]
-            panels.append(
-                _band(f"{name}, {unit}" if unit else name, study.time, mean, mean - REACH * deviation, mean + REACH * deviation)
-            )
+            panels.append(_band(f"{name}, {unit}" if unit else name, study.time, *study.band(name)))
     return draw_chart(Chart("Signals and states that were not measured", "time, s", tuple(panels), "All of them: states.csv."))
