@@ -13,7 +13,7 @@ from ..core.kernels import DONE, OWN, kernel
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.sampled import SampledComponent, is_zero_behind, rows_in_use, sampled_kernels
 from ..core.variables import input_, output, parameter
-from .allocation import THRUSTERS, allocate, chosen, fill_allocation
+from .allocation import THRUSTERS, allocate, chosen, fill_allocation, share_out
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_command, curve_refusals
 
@@ -210,14 +210,18 @@ class RovController(SampledComponent):
         """Constants that the arrangement and the table of poses determine.
 
         `matrix`: (6, n) wrench per thrust.  `table`: (n, 6) thrusts per wrench, of the thrusters whose bits are in `choice`,
-        (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace.  `refused`: (4,) numbers of a refusal.
+        (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace, and `free`, `sharing` where some thrusters are at their
+        limits.  `refused`: (4,) numbers of a refusal.
         """
-        n = THRUSTERS + (2 if "further_thrusters" in self.on else 0)
+        further = "further_thrusters" in self.on
+        n = THRUSTERS + (2 if further else 0)
         return super().shapes() | {
             "matrix": (6, n),
             "table": (n, 6),
             "choice": np.zeros(1, dtype=np.int64),
             "allocation": (4, n, n + 6),
+            "free": (n, 6) if further else None,
+            "sharing": (6, n) if further else None,
             "refused": 4,
             "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None,
         }
@@ -346,6 +350,10 @@ def control_sample(t, u, s, p, e):
         fill_allocation(s.table, s.matrix, p.priority, choice, s.allocation)
         s.choice[0] = choice
     x[SCALE] = allocate(wrench, s.table, s.matrix, p.forward_limit, p.reverse_limit, thrust, given)
+    if e.further_thrusters is not None and x[SCALE] < 1.0:
+        x[SCALE] = share_out(
+            wrench, p.priority, s.matrix, choice, p.forward_limit, p.reverse_limit, thrust, given, s.free, s.allocation, s.sharing
+        )
     for i in range(THRUSTERS):
         x[COMMANDS + i] = command(thrust[i], p, e)
     if e.further_thrusters is not None:

@@ -5,6 +5,7 @@ import pytest
 from cosimo.components.rov.arrangement import EIGHT, eight_arrangement, wrench_matrix
 from cosimo.components.rov.controller import RovController
 from cosimo.components.rov.hull import RovHull
+from scipy.optimize import linprog
 
 pytestmark = pytest.mark.interpreted
 
@@ -69,3 +70,16 @@ def test_a_hull_sees_the_water_at_its_further_thrusters():
     hull.initialize(0.0)
     speeds = [hull[f"further_thrusters.axial_speed[{i}]"] for i in (1, 2)]
     np.testing.assert_allclose(speeds, [0.5, -0.5], atol=1e-15)  # one turns with the water, one against it
+
+
+def test_a_controller_of_eight_uses_unequal_limits_to_the_full():
+    """Far from its place it gives as much of the wrench as a linear programme allows, more than equal sharing does."""
+    c = RovController(preset=EIGHT, parameters={"set_north": -3.0, "set_east": 2.5, "reach": 10.0})
+    c.initialize(0.0)
+    asked = np.array([24.0, 34.0]) * [c["error_north"], c["error_east"]]
+    wrench = np.array([*asked, 0.0, 0.0, 0.0, 0.0])
+    limits = [(-39.90, 51.44)] * 8 + [(0.0, 1.0)]
+    best = linprog(np.r_[np.zeros(8), -1.0], A_eq=np.c_[MATRIX, -wrench], b_eq=np.zeros(6), bounds=limits).x[-1]
+    thrust = np.linalg.pinv(MATRIX) @ wrench
+    assert c["scale"] == pytest.approx(best, abs=1e-9)
+    assert best > 1.03 * min(51.44 / thrust.max(), -39.90 / thrust.min())

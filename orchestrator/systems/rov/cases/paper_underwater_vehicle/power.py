@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ......components.rov.allocation import allocate, allocation_of
+from ......components.rov.allocation import THRUSTERS, allocate, allocation_of, share_out
 from .....harness.validation import Evidence, Runs
 from .layouts import AHEAD, ASTERN, MATRICES, ideal_power
 from .wrench_sets import circle, largest
@@ -57,7 +57,11 @@ def thrusts(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
 
 def given(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
     """Sizes of what the controller gives of wrenches, (k, 6), within the limits, (k,)."""
-    per_wrench, thrust, results = table(matrix), np.zeros(matrix.shape[1]), np.zeros_like(wrenches)
+    n = matrix.shape[1]
+    per_wrench, thrust, results = table(matrix), np.zeros(n), np.zeros_like(wrenches)
     for wrench, result in zip(wrenches, results, strict=True):
-        allocate(wrench, per_wrench, matrix, AHEAD, ASTERN, thrust, result)
+        scale = allocate(wrench, per_wrench, matrix, AHEAD, ASTERN, thrust, result)
+        if n > THRUSTERS and scale < 1.0:
+            room = np.zeros((n, 6)), np.zeros((4, n, n + 6)), np.zeros((6, n))
+            share_out(wrench, np.ones(6), matrix, 2**n - 1, AHEAD, ASTERN, thrust, result, *room)
     return np.linalg.norm(results, axis=1)
