@@ -92,7 +92,7 @@ GROUPS = {
     "Export": ("build", "check", "ssp", "export"),
     "Railway": ("railway",),
     "Bearings": ("bearings",),
-    "Housekeeping": ("open", "cache", "schema"),
+    "Housekeeping": ("open", "cache", "schema", "agents"),
 }
 
 app = typer.Typer(cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, add_completion=True, rich_markup_mode=None)

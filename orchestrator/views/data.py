@@ -50,14 +50,17 @@ def to_xarray(result: Recorded, signals: Iterable[str] | None = None) -> xr.Data
     return xarray.Dataset(data, coordinates, _provenance(result))
 
 
-def library(name: str, wanted_by: str = "") -> Any:
-    """A library that cosimo can do without; raises `BadInput`, whose place is `wanted_by` or "to_name", where it is missing."""
+def library(name: str, wanted_by: str = "", package: str = "") -> Any:
+    """A library that cosimo can do without, or a module of a package.
+
+    Raises `BadInput`, whose place is `wanted_by` or "to_name", where it is missing.
+    """
+    package = package or name
     try:
         return import_module(name)
     except ImportError:
-        raise BadInput(
-            wanted_by or f"to_{name}", f"no {name} in this Python", "an installed library", f"pip install {name}."
-        ) from None
+        where = wanted_by or f"to_{name}"
+        raise BadInput(where, f"no {package} in this Python", "an installed library", f"pip install {package}.") from None
 
 
 def _attributes(result: Recorded, name: str) -> dict[str, str]:
