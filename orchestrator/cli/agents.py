@@ -116,16 +116,16 @@ def server_in(folder: Path) -> MCPServer:
 
 def read(arguments: tuple[str, ...], code: int, out: str, messages: str) -> dict[str, Any]:
     """The answer of a command: exit code with its meaning, what was printed, and of a refusal its parts."""
-    said: dict[str, Any] = {
+    response: dict[str, Any] = {
         "command": shlex.join(["cosimo", *arguments]),
         "exit_code": code,
         "meaning": MEANINGS.get(code, "stopped"),
         "messages": messages.splitlines(),
     }
     if match := REFUSAL.search(messages):
-        said["refusal"] = match.groupdict("")
+        response["refusal"] = match.groupdict("")
     try:
-        said["printed"] = json.loads(out)
+        response["printed"] = json.loads(out)
     except ValueError:
-        said["printed"] = out
-    return said
+        response["printed"] = out
+    return response
