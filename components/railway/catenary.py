@@ -34,6 +34,7 @@ from .catenary_effects import (
     Stagger,
     SteadyArm,
     Temperature,
+    Wear,
     WireProfile,
 )
 from .catenary_presets import PRESETS
@@ -52,12 +53,12 @@ from .contact import (
 from .explicit import BLOCK, explicit_limit, explicit_steps, fill_damping, fill_wire_rows, margin
 from .gust_loads import FIRST, LAST, SAMPLE, UNREADY, follow_gusts, gust_state, load_at
 from .gusts import ACROSS, Gusts, blow, empty_buffeting, raise_wind
-from .hung_line import HungLine, given_by
+from .hung_line import LATER, HungLine, given_by
 from .implicit import Solver, implicit_steps, start_solver
 from .line import plan as plans
 from .line.form import empty_network, find_form_at_rest
+from .line.later import find_form_later, later_by
 from .line.plan import empty_numbers, fill_droppers, fill_layout, plan_of
-from .line.temperature import find_form_at
 from .mesh import (
     NO_WIRE,
     Mesh,
@@ -140,6 +141,7 @@ class Catenary(HungLine):
     moving_window = MovingWindow
     line_table = LineTable
     temperature = Temperature
+    wear = Wear
     second_wire = SecondWire
     stagger = Stagger
     gusts = Gusts
@@ -227,7 +229,7 @@ class Catenary(HungLine):
             d if implicit else 0,
             0 if implicit else 2,
         ]
-        cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
+        cut = bool(np.isnan(layout.droppers.height).any()) or bool(LATER & set(self.on))
         band, beside = (N, reach * W + 1), in_python(margin)(W)
         return {
             "x": sum(parts),
@@ -362,8 +364,8 @@ def catenary_initialize(t, s, p, e):
     nodal, unilateral, status = s.space.nodal, e.dropper_slackening is not None, DONE
     if s.ready[0] == 0.0:
         # the parts of the line and their places
-        if e.temperature is not None:
-            status = find_form_at(e.temperature.change, s.plan, given, s.filled, s.network)
+        if e.temperature is not None or e.wear is not None:
+            status = find_form_later(later_by(e), s.plan, given, s.filled, s.network)
         elif e.line_table is not None:
             status = find_form_at_rest(s.plan, given, s.filled, s.network)
             fill_droppers(s.plan.dropper_numbers, given, s.filled.dropper)

@@ -171,6 +171,22 @@ class Temperature(Effect):
     change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
 
 
+class Wear(Effect):
+    """A contact wire worn since the droppers were cut: it is lighter, and all wires rise on droppers of unchanged length.
+
+    Beside the `wear` of spans in the table, for which droppers are cut. Tensions of tensioned wires stay; a wire that is anchored at
+    both ends has less EA. The bending stiffness stays that of the table: how a section wears is not said.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+    read_by = ("initialize",)
+
+    share = parameter(
+        0.1, "1", "share of the contact wires' section that is gone since; their mass falls by it", low=0.0, high=0.5
+    )
+
+
 class SecondWire(Effect):
     """Contacts with a second contact wire: of a twin, or where sections overlap.
 

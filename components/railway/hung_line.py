@@ -13,9 +13,9 @@ from ..core.variables import NUMBERED, PARTS, integer, parameter
 from .line.dropper_table import line_of
 from .line.form import Form, Found, find_form_at_rest, form_of
 from .line.from_table import lay_out, support_positions, unused_by
+from .line.later import find_form_later, fixed_wires, later_by
 from .line.layout import Layout, uniform
 from .line.plan import Given, fill_droppers, filled_layout
-from .line.temperature import find_form_at, fixed_wires
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 # parameters that a table of a line may leave out
@@ -31,6 +31,7 @@ LINE = (
     "support_stiffness",
     "support_damping",
 )
+LATER = {"temperature", "wear"}  # effects that change what a table says
 PLACED = "it decides where nodes are, and how many"
 
 
@@ -62,12 +63,12 @@ class HungLine(KernelComponent):
     )
 
     def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
-        """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""
+        """The line with NaN where parameters decide, and the wires whose tension changes with temperature and wear, see `fixed_wires`."""
         values: Any = self.parameters
         if "line_table" in self.on:
             line = line_of(values, self.name)
             layout = lay_out(line, "bending_stiffness" in self.on)
-            return layout, tuple(fixed_wires(line, layout)) if "temperature" in self.on else ()
+            return layout, tuple(fixed_wires(line, layout, "temperature" in self.on)) if LATER & set(self.on) else ()
         within = np.array([values[f"dropper_position[{i + 1}]"] for i in range(values["droppers"])])
         on = ("pre_sag" in self.on, "steady_arm" in self.on, "level_support" in self.on)
         return uniform(values["spans"], values["span_length"], within, *on), ()
@@ -79,9 +80,9 @@ class HungLine(KernelComponent):
         if "line_table" not in self.on:
             return form_of(layout, given)
         formed = Found(layout, given, fixed)
-        if "temperature" in self.on:
-            change = self.parameters["temperature.change"]
-            formed.check(find_form_at(change, formed.plan, given, formed.filled, formed.net))
+        if LATER & set(self.on):
+            later = in_python(later_by)(self._declared_arguments()[1])
+            formed.check(find_form_later(later, formed.plan, given, formed.filled, formed.net))
         else:
             formed.check(find_form_at_rest(formed.plan, given, formed.filled, formed.net))
             fill_droppers(formed.plan.dropper_numbers, given, formed.filled.dropper)

@@ -8,12 +8,13 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
+from numpy import linspace
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
 from .common import is_scene, print_written, warn
 from .new import new
-from .options import Conditions, InProcess, Limits, limits_of, number_given
+from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, share
 
 File = Annotated[Path, Argument(metavar="FILE.toml", help="File for the template.")]
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
@@ -26,6 +27,12 @@ LINE_NUMBERS = {  # option -> table and key of a section, unit, default
     "first_dropper": ("droppers", "first", "m"),
     "dropper_gap": ("droppers", "gap", "m"),
     "dropper_stiffness": ("droppers", "stiffness", "N/m"),
+    "contact_axial_stiffness": ("contact_wire", "axial_stiffness", "N"),
+    "messenger_axial_stiffness": ("messenger", "axial_stiffness", "N"),
+    "stitch_half_length": ("stitch", "half_length", "m"),
+    "stitch_tension": ("stitch", "tension", "N"),
+    "stitch_mass": ("stitch", "mass", "kg/m"),
+    "wear": ("span", "wear", "1"),
 }
 
 
@@ -60,6 +67,18 @@ def line(
     ] = "4.5 m",
     dropper_gap: Annotated[str, Option(help="Largest distance between two droppers.")] = "6.5 m",
     dropper_stiffness: Annotated[str, Option(help="Stiffness of a dropper in tension.")] = "200 kN/m",
+    contact_axial_stiffness: Annotated[
+        str, Option(help="EA of a contact wire without automatic tensioning, whose tension changes with temperature.")
+    ] = "",
+    messenger_axial_stiffness: Annotated[str, Option(help="EA of a messenger wire without automatic tensioning.")] = "",
+    stitch_half_length: Annotated[
+        str, Option(help="Distance of a stitch wire's clamps from the support. Default: no stitch.")
+    ] = "",
+    stitch_tension: Annotated[str, Option(help="Tension of the stitch wires.")] = "",
+    stitch_mass: Annotated[str, Option(help="Mass per length of the stitch wires.")] = "",
+    wear: Annotated[
+        str, Option(metavar="SHARE", help="Share of the contact wire's section gone when the droppers were cut, as in 10%.")
+    ] = "",
     droppers: Annotated[
         Path | None, Option(help="CSV of droppers. cosimo checks that they fit; the scene refers to the file.")
     ] = None,
@@ -72,10 +91,13 @@ def line(
     from ..systems.railway.new_line import line_text, supports_of
 
     given = locals()
-    data: dict[str, dict[str, float]] = {"contact_wire": {}, "messenger": {}, "droppers": {}, "support": {}}
+    data: dict[str, dict[str, float]] = {table: {} for table, _, _ in LINE_NUMBERS.values()}
     for option, (table, key, unit) in LINE_NUMBERS.items():
         text, name = given[option], f"--{option.replace('_', '-')}"
-        data[table][key] = number_given(text, unit, name, bare=False)
+        if text:
+            data[table][key] = share(name, text) if unit == "1" else number_given(text, unit, name, bare=False)
+        if text and key == "axial_stiffness":
+            data[table]["fixed"] = True
     text = line_text(
         file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", supports_of(supports), data
     )
@@ -113,6 +135,15 @@ def scene(
     pantographs: Annotated[int, Option(min=1, max=4, help="Number of pantographs.")] = 1,
     distance: Annotated[str, Option(help="Distance between two pantographs, in m or with a unit.")] = "200 m",
     speed: Annotated[str, Option(help="Speed of the train.")] = "250 km/h",
+    static_force: Annotated[str, Option(help="Static force of a fitted pantograph, as in 70 N.")] = "",
+    working_height: Annotated[
+        str,
+        Option(help="Height above the unloaded wire at which the lowest spring of a fitted pantograph is relaxed, as in 0 m."),
+    ] = "",
+    temperature: Annotated[str, Option(metavar="K", help="Temperature above that of the line's table, as in -30 or 40.")] = "",
+    wear: Annotated[
+        str, Option(metavar="SHARE", help="Share of the contact wire's section gone since the droppers were cut, as in 20%.")
+    ] = "",
     limits: Limits = "",
 ) -> None:
     """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
@@ -136,7 +167,17 @@ def scene(
     elif line is not None:
         number_given(speed, "m/s", "--speed", bare=False)
         apart = number_given(distance, "m", "--distance")
-        text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits)
+        own = {
+            key: number_given(value, unit, f"--{key.replace('_', '-')}", bare=False)
+            for key, value, unit in (("static_force", static_force, "N"), ("working_height", working_height, "m"))
+            if value
+        }
+        later = {"temperature.change": number_given(temperature, "K", "--temperature")} if temperature else {}
+        later |= {"wear.share": 0.0 if wear in ("0", "0%") else share("--wear", wear)} if wear else {}
+        text, taken = scene_text(
+            file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits, own=own, later=later
+        )
+        warn(taken)
     else:
         text = _joined_scene(file, units or [], limits, table)
     write_new(file, text)
@@ -247,10 +288,12 @@ def case(
     ] = "",
     limits: Limits = "",
     conditions: Conditions = None,
+    over: Over = None,
 ) -> None:
     """Write a validation case of a scene of yours. Example: cosimo new case my-case.toml my-scene.toml --limits en50367
 
-    With --speeds "200 km/h, 250 km/h" it has a run for each speed.
+    With --speeds "200 km/h, 250 km/h" it has a run for each speed, with --over catenary.temperature.change=-30,40 for each of these
+    values, with several options for each combination.
 
     Ranges and measured curves of your own are added to the file.
     """
@@ -272,6 +315,7 @@ def case(
         else f'limits = "{place}"',
         "",
     ]
+    ways: list[tuple[str, list[str]]] = []  # a condition, and its changes as TOML
     for text in filter(None, (part.strip() for part in speeds.split(","))):
         if not moving:
             raise BadInput("--speeds", repr(text), "a scene whose units have a parameter speed")
@@ -280,11 +324,20 @@ def case(
             raise BadInput("--speeds", f"{scene}, which starts at {loaded.start_time:g} s", "a scene that starts at 0")
         stop = loaded.stop_time * float(loaded.units[moving[0]].parameters["speed"]) / v
         step = loaded.master.step
-        changes = [f'"{unit}.speed" = "{text}"' for unit in moving]
+        ways.append((text, [*(f'"{unit}.speed" = "{text}"' for unit in moving), f"stop_time = {round(stop / step) * step:.9g}"]))
+    axes = [ways] if ways else []
+    for place, values in ranges_of(over).items():
+        if isinstance(values, dict):
+            values = linspace(values["from"], values["to"], values["points"]).tolist()
+        loaded.with_changes({place: values[0]})  # the scene refuses what it has not
+        shown = [(f"{v:g}", f"{v:.9g}") if isinstance(v, float) else (v, f'"{v}"') for v in values]
+        axes.append([(f"{place.partition('.')[2]} = {words}", [f'"{place}" = {toml}']) for words, toml in shown])
+    for chosen in product(*axes) if axes else ():
+        changes = [change for _, own in chosen for change in own]
         parts += [
             "[[runs]]",
-            f'condition = "{text}"',
-            f"changes = {{ {', '.join(changes)}, stop_time = {round(stop / step) * step:.9g} }}",
+            f'condition = "{", ".join(words for words, _ in chosen)}"',
+            f"changes = {{ {', '.join(changes)} }}",
             "",
         ]
     write_new(file, "\n".join(parts))

@@ -76,6 +76,9 @@ def line_(
             metavar="K", help="Temperature difference from the table. It changes tensions and heights of wires with fixed = true."
         ),
     ] = None,
+    wear: Annotated[
+        str, Option(metavar="SHARE", help="Share of the contact wires' section gone since the droppers were cut, as in 20%.")
+    ] = "",
     schema: Annotated[bool, Option("--schema", help="Print the JSON schema of a table for editors.")] = False,
     output: OptionalOutput = None,
 ) -> None:
@@ -88,7 +91,7 @@ def line_(
         return
     if table is None:
         raise BadInput("railway line", "no table", "the path of one", "Such as my-line.toml; --schema prints its keys.")
-    form, title = line.read(table, parameters_of(values), droppers, temperature)
+    form, title = line.read(table, parameters_of(values), droppers, temperature, share("--wear", wear) if wear else None)
     show_line(form, title)
     if output is not None:
         print_written(line.save(form, title, output))

@@ -1,10 +1,12 @@
 """`cosimo new line, scene, case, table`: from files of a crew and of a measurement to a judged report, without copied connections."""
 
 import json
+import tomllib
 
 import numpy as np
 import pytest
 from cosimo import load_scene
+from cosimo.components.railway.line.table import read_line
 from cosimo.orchestrator.systems.railway.frequency_response import receptance
 from cosimo.tests.commands import exit_code
 
@@ -45,6 +47,50 @@ def test_five_commands_from_a_crews_files_to_a_judged_report(folder):
     assert "160 km/h: leading.both_wires, AC up to 200 km/h" in conditions
     assert "220 km/h: trailing.both_wires, AC above 200 km/h" in conditions
     assert load_scene("mine.toml").units["leading"].parameters["head_mass"] == pytest.approx(7.2, rel=1e-6)
+
+
+def test_winter_summer_wear_and_stitch_wires_are_options(folder, capsys):
+    """One line, one scene, one case with a run for each of them; what a fitted pantograph does not know is asked for or told."""
+    rows = "\n".join(str(50 * k) for k in range(9))
+    (folder / "plain.csv").write_text(f"position [m]\n{rows}\n")
+    stitch = ("--stitch-half-length", "9 m", "--stitch-tension", "3.5 kN", "--stitch-mass", "0.31 kg/m")
+    assert (
+        exit_code("new", "line", "line.toml", "plain.csv", "--messenger-axial-stiffness", "11.6 MN", "--wear", "10%", *stitch)
+        == 0
+    )
+    section = read_line((folder / "line.toml").read_text(encoding="utf-8")).sections[0]
+    assert (section.messenger.fixed, section.messenger.axial_stiffness, section.span.wear) == (True, 11.6e6, 0.1)
+    assert (section.stitch.half_length, section.stitch.tension, section.stitch.mass) == (9.0, 3500.0, 0.31)
+    assert exit_code("railway", "fit-pantograph", "head.csv", "--masses", 2, "-o", "fitted") == 0
+    capsys.readouterr()
+    fitted = ("--line", "line.toml", "--pantograph", "fitted/pantograph.toml", "--speed", "120 km/h")
+    assert exit_code("new", "scene", "told.toml", *fitted) == 0
+    assert "static_force = 120 N, of EN 50318:2002: give that of your pantograph" in capsys.readouterr().err
+    own = ("--static-force", "90 N", "--working-height", "0.1 m")
+    assert exit_code("new", "scene", "mine.toml", *fitted, *own, "--temperature", "-10", "--wear", "0%") == 0
+    assert "static_force" not in capsys.readouterr().err
+    scene = load_scene("mine.toml")
+    given = scene.units["pantograph"].parameters
+    assert (given["static_force"], given["working_height"]) == (90.0, 0.1)
+    assert scene.units["catenary"].parameters["temperature.change"] == -10.0
+    seasons = ("--over", "catenary.temperature.change=-30,40", "--over", "catenary.wear.share=0:0.2:3")
+    assert exit_code("new", "case", "case.toml", "mine.toml", "--speeds", "120 km/h", *seasons, "--limits", "en50367") == 0
+    runs = tomllib.loads((folder / "case.toml").read_text(encoding="utf-8"))["runs"]
+    assert len(runs) == 6
+    assert runs[0]["condition"] == "120 km/h, temperature.change = -30, wear.share = 0"
+    assert scene.with_changes(runs[-1]["changes"]).units["catenary"].parameters["wear.share"] == pytest.approx(0.2)
+    for arguments, named in (
+        (
+            ("case", "new.toml", "mine.toml", "--over", "catenary.temprature.change=1,2", "--limits", "en50367"),
+            "temperature.change",
+        ),
+        (("case", "new.toml", "mine.toml", "--over", "catenary.wear.share=0.9,0.1", "--limits", "en50367"), "0.9"),
+        (("scene", "new.toml", *fitted, "--static-force", "90"), "90 N"),
+        (("scene", "new.toml", *fitted, "--wear", "20"), "20%"),
+    ):
+        assert exit_code("new", *arguments) == 2, arguments
+        assert named in capsys.readouterr().err, arguments
+    assert not (folder / "new.toml").exists()
 
 
 def test_units_are_joined_by_their_ports(tmp_path):

@@ -17,9 +17,9 @@ from ....components.core.files import read_bytes
 from ....components.railway.catenary import Catenary
 from ....components.railway.line.dropper_table import column_names, with_droppers
 from ....components.railway.line.form import Form, find_form
+from ....components.railway.line.later import line_at
 from ....components.railway.line.layout import GRAVITY
 from ....components.railway.line.table import read_line
-from ....components.railway.line.temperature import line_at
 from ...output import ensure_directory
 from ...scene.file_kinds import refuse_other
 from ...scene.files import read_text
@@ -35,12 +35,16 @@ MARGIN = 40.0  # pixels at the left and at the right
 
 
 def read(
-    path: Path, values: Mapping[str, Any], droppers: Path | None = None, temperature: float | None = None
+    path: Path,
+    values: Mapping[str, Any],
+    droppers: Path | None = None,
+    temperature: float | None = None,
+    wear: float | None = None,
 ) -> tuple[Form, str]:
     """Form and title of the line in a file.
 
     values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table;
-    temperature: K above that of the table, as of the effect `temperature`.
+    temperature: K above that of the table, as of the effect `temperature`; wear: share gone since, as of the effect `wear`.
     """
     refuse_other(path, "line")
     text = read_text(path, "line")
@@ -49,15 +53,17 @@ def read(
     if droppers is not None:
         tables["line_table.droppers"] = decoded(read_bytes(droppers, "droppers"), str(droppers))
         line = with_droppers(line, tables["line_table.droppers"], str(droppers))
-    change = {} if temperature is None else {"temperature.change": temperature}
-    catenary = Catenary(["line_table", *(["temperature"] if change else [])], {**values, **tables, **change})
+    later = {k: v for k, v in (("temperature.change", temperature), ("wear.share", wear)) if v is not None}
+    effects = [name.partition(".")[0] for name in later]
+    catenary = Catenary(["line_table", *effects], {**values, **tables, **later})
     catenary.refuse_unused(values)
     if doubts := catenary.doubts(values):
         raise BadInput("--set", doubts[0], "numbers that are usual, or with their units")
     p, title = catenary._declared_arguments()[0], line.title or path.stem
-    form = find_form(line, p) if temperature is None else line_at(line, p, temperature)[1]
+    form = line_at(line, p, temperature or 0.0, wear or 0.0)[1] if later else find_form(line, p)
     refuse_pushing(form, str(droppers or path))
-    return form, title if temperature is None else f"{title}, {temperature:+g} K"
+    title += "" if temperature is None else f", {temperature:+g} K"
+    return form, title if wear is None else f"{title}, {100.0 * wear:g} % worn since"
 
 
 def refuse_pushing(form: Form, where: str) -> None:

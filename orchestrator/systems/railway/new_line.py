@@ -106,8 +106,14 @@ def scene_text(
     distance: float,
     speed: str,
     limits: str,
-) -> str:
-    """A scene of pantographs under a line; folder: where the scene goes, from which its files are named. Raises `BadInput`."""
+    own: Mapping[str, float],
+    later: Mapping[str, float],
+) -> tuple[str, list[str]]:
+    """A scene of pantographs under a line, and what a user should know of it; raises `BadInput`.
+
+    folder: where the scene goes, from which its files are named.  own: parameters of every pantograph, SI.  later: parameters of the
+    catenary's effects `temperature` and `wear`.
+    """
     refuse_other(line, "line")
     form = read_line(read_text(line, "line"), str(line))
     resolved = resolved_sections(form)
@@ -137,6 +143,8 @@ def scene_text(
     effects += ["further_pantographs"] if count > 2 else []
     table = [f"line_table.table = {_quoted(_from(folder, line))}"]
     table += [f"line_table.droppers = {_quoted(_from(folder, droppers))}"] if droppers is not None else []
+    effects += [name.partition(".")[0] for name in later]
+    table += [f"{name} = {value:.9g}" for name, value in later.items()]
     table += [f"further_pantographs.count = {count - 2}"] if count > 2 else []
     first_watched = max(0, int(np.flatnonzero(supports == inside[0])[0]))
     parts = [
@@ -163,7 +171,8 @@ def scene_text(
         + " }  # damping: of EN 50318:2018",
     ]
     unit = _pantograph(pantograph)
-    own = [*unit["effects"], *(["second_wire"] if second and "second_wire" not in unit["effects"] else [])]
+    unit["parameters"] |= own
+    switched = [*unit["effects"], *(["second_wire"] if second and "second_wire" not in unit["effects"] else [])]
     for name, start in zip(names, starts, strict=True):
         given = {**unit["parameters"], "speed": speed, "start_position": start}
         parts += [
@@ -172,7 +181,7 @@ def scene_text(
             'component = "Pantograph"',
             *([f"preset = {_quoted(unit['preset'])}"] if unit["preset"] else []),
         ]
-        parts += [f"effects = [{', '.join(map(_quoted, own))}]", "", f"[units.{name}.parameters]"]
+        parts += [f"effects = [{', '.join(map(_quoted, switched))}]", "", f"[units.{name}.parameters]"]
         parts += [f"{key} = {_quoted(value) if isinstance(value, str) else f'{value:.9g}'}" for key, value in given.items()]
         parts += _taken(unit)
     parts += [
@@ -192,7 +201,8 @@ def scene_text(
         f"window = [{inside[0]:.9g}, {inside[-1]:.9g}]                          # m, whole spans that all pantographs pass",
         "",
     ]
-    return "\n".join(parts)
+    taken = [] if unit["preset"] else _taken(unit)
+    return "\n".join(parts), [line.replace("  # ", " ") + "; stands in the scene" for line in taken]
 
 
 def _from(folder: Path, file: Path) -> str:

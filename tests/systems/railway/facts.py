@@ -66,6 +66,7 @@ FACTS = {
                 "second_wire",
                 "stagger",
                 "temperature",
+                "wear",
             }
         ),
         # a kink under a force is rounded over sqrt(EI / T)

@@ -1,13 +1,14 @@
-"""A line at another temperature than that of its table: wires that are anchored at both ends change their tension.
+"""A line later than its table says: at another temperature, with a worn contact wire. Droppers keep their cut lengths.
 
-The length of such a wire follows from tension, temperature and shape,
+A worn wire is lighter: all wires hang anew. The length of a wire that is anchored at both ends follows from tension, temperature
+and shape,
 
     T / EA - S(T) / L = const - alpha dtheta,    S = integral of z'^2 / 2 dx,
 
 which for a parabola is the usual equation of state, T - EA w^2 L^2 / (24 T^2) = const - EA alpha dtheta, and over unequal spans
 that of the ideal span. The shape is that of all wires together on droppers of unchanged length: a contact wire that keeps its
 tension carries the more of the weight the lower the messenger hangs. Wires with automatic tensioning keep their tension; where
-all wires do, nothing changes.
+all wires do, a temperature changes nothing. EA of a worn contact wire falls with its section.
 
 Neglected: longitudinal motion along the track (tilted droppers, swung arms), expansion of droppers and stitch wires, friction of
 tensioning devices, displacement of the messenger's supports.
@@ -18,15 +19,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...core.errors import BadInput
-from ...core.kernels import DONE, kernel
+from ...core.kernels import DONE, kernel, kernel_tuple
 from .form import Form, Found, Z, find_form_at_rest, given_of, hang
 from .from_table import lay_out
 from .layout import GRAVITY, SECOND, Layout
 from .plan import (
     ADDED,
+    CONTACT,
     CUT_AT_REST,
     CUT_LENGTH,
     FACTOR,
@@ -49,8 +51,19 @@ EXPANSION = 1.7e-5  # 1/K, copper and its alloys, as read in a public source
 LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND}  # of the tables of a section
 
 
-def fixed_wires(line: Line, layout: Layout) -> Iterator[tuple[int, float, float]]:
-    """Number of each wire that is anchored at both ends, its axial stiffness, N, and its thermal expansion, 1/K."""
+@kernel_tuple
+class Later(NamedTuple):
+    """What has become of a line since it was as its table says."""
+
+    change: float  # of the temperature, K
+    worn: float  # share of the contact wires' present section that is gone
+
+
+def fixed_wires(line: Line, layout: Layout, asked: bool) -> Iterator[tuple[int, float, float]]:
+    """Number of each wire that is anchored at both ends, its axial stiffness, N, and its thermal expansion, 1/K.
+
+    asked: whether a line without such wires is refused.
+    """
     formed = False
     for row, section, key in _wires_of_sections(line, layout):
         data = getattr(line.sections[section], key)
@@ -65,7 +78,7 @@ def fixed_wires(line: Line, layout: Layout) -> Iterator[tuple[int, float, float]
                     "its EA, N",
                 )
             yield row, data.axial_stiffness, EXPANSION if data.expansion is None else data.expansion
-    if not formed:
+    if asked and not formed:
         raise BadInput(
             "temperature.change",
             "a line whose wires all have automatic tensioning",
@@ -84,11 +97,12 @@ def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, s
             yield lanes[i // 2], i, key
 
 
-def line_at(line: Line, p: Any, change: float) -> tuple[Line, Form]:
-    """(line with the tensions, its form) at a temperature `change`, K, above that of the table; p: parameters of `Catenary`."""
+def line_at(line: Line, p: Any, change: float = 0.0, worn: float = 0.0) -> tuple[Line, Form]:
+    """(line with the tensions, its form) at a temperature `change`, K, above that of the table, with a share `worn` of the contact
+    wires' section gone since; p: parameters of `Catenary`."""
     layout = lay_out(line, False)
-    formed = Found(layout, given_of(p), tuple(fixed_wires(line, layout)))
-    formed.check(find_form_at(change, formed.plan, formed.given, formed.filled, formed.net))
+    formed = Found(layout, given_of(p), tuple(fixed_wires(line, layout, change != 0.0)))
+    formed.check(find_form_later(Later(change, worn), formed.plan, formed.given, formed.filled, formed.net))
     sections = list(line.sections)
     for row, section, key in _wires_of_sections(line, layout):
         if row in formed.plan.fixed:
@@ -129,21 +143,37 @@ def tension_of(EA, held, excess, tension):
 
 
 @kernel
-def find_form_at(change, plan, given, filled, net):
-    """Form of a planned line at a temperature `change`, K, above that of the table: tensions, heights, preloads; a status."""
+def later_by(e):
+    """`Later` by the effects of a catenary."""
+    change, worn = 0.0, 0.0
+    if e.temperature is not None:
+        change = e.temperature.change
+    if e.wear is not None:
+        worn = e.wear.share
+    return Later(change, worn)
+
+
+@kernel
+def find_form_later(later, plan, given, filled, net):
+    """Form of a planned line later than its table says, by `Later`: tensions, heights, preloads; a status."""
     status = find_form_at_rest(plan, given, filled, net)
     if status != DONE:
         return status
     held = plan.fixed_numbers[:, 2]
     for k in range(plan.fixed.size):
         EA, expansion, wire = plan.fixed_numbers[k, 0], plan.fixed_numbers[k, 1], plan.fixed[k]
-        held[k] = filled.tension[wire] / EA - excess(wire, plan, filled, net) - expansion * change
+        held[k] = filled.tension[wire] / EA - excess(wire, plan, filled, net) - expansion * later.change
+    for k in range(plan.wires.shape[0]):
+        if plan.wires[k, CONTACT] >= 0:
+            filled.mass[k] *= 1.0 - later.worn
     fill_droppers(plan.dropper_numbers, given, filled.dropper)  # for the lengths at rest, which they keep
     for _ in range(PASSES):
         moved = 0.0
         for k in range(plan.fixed.size):
-            wire = plan.fixed[k]
-            now = tension_of(plan.fixed_numbers[k, 0], held[k], excess(wire, plan, filled, net), filled.tension[wire])
+            EA, wire = plan.fixed_numbers[k, 0], plan.fixed[k]
+            if plan.wires[wire, CONTACT] >= 0:
+                EA *= 1.0 - later.worn
+            now = tension_of(EA, held[k], excess(wire, plan, filled, net), filled.tension[wire])
             moved = max(moved, abs(now / filled.tension[wire] - 1.0))
             filled.tension[wire] = now
         status = fill_holds(plan, given, filled.tension, filled.hold, filled.refused)
@@ -155,5 +185,5 @@ def find_form_at(change, plan, given, filled, net):
         hang(plan, filled, net)
         if moved < CONVERGED:
             return DONE
-    filled.refused[0] = change
+    filled.refused[0] = later.change
     return UNSETTLED

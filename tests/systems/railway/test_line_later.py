@@ -1,4 +1,4 @@
-"""Wires that are anchored at both ends, at another temperature: closed forms of strings and energy of none."""
+"""Lines at another temperature, and with worn wires: closed forms of strings."""
 
 import csv
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.line.later import line_at
 from cosimo.components.railway.line.table import read_line
-from cosimo.components.railway.line.temperature import line_at
 from cosimo.orchestrator.cli.application import app
 from typer.testing import CliRunner
 
@@ -28,8 +28,8 @@ spans = {spans}
     )
 
 
-def at(text, change):
-    return line_at(read_line(text), Catenary()._declared_arguments()[0], change)
+def at(text, change=0.0, worn=0.0):
+    return line_at(read_line(text), Catenary()._declared_arguments()[0], change, worn)
 
 
 def root(function, low, high):
@@ -88,6 +88,54 @@ def test_a_fixed_contact_wire_loses_its_expansion_and_keeps_its_droppers():
     assert (form.layout.droppers.height - rest.layout.droppers.height).min() < -1e-3
 
 
+@pytest.mark.known_answers(Catenary="wear")
+def test_a_worn_wire_rises_by_its_missing_weight_over_both_tensions():
+    """Many droppers: w' L² / 8 (T + Tc) in the middle of a span. The error goes with the droppers' distance."""
+    Tc, share = 22e3, 0.2
+    expected = 9.81 * share * 1.35 * 55.0**2 / 8.0 / (TENSION + Tc)
+    rises = []
+    for gap in (2.5, 1.25):
+        text = table([55, 55, 55], f"tension = {Tc}, mass = 1.35", 1.08, gap).replace(", fixed = true", "")
+        (_, new), (line, worn) = at(text), at(text, worn=share)
+        rises.append(float(np.interp(82.5, worn.position, worn.height[:, 0]) - np.interp(82.5, new.position, new.height[:, 0])))
+        assert worn.cut_length == pytest.approx(new.cut_length, abs=1e-9)
+        assert line.sections[0].messenger.tension == TENSION
+        assert worn.preload.mean() < new.preload.mean()
+    errors = [rise / expected - 1.0 for rise in rises]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.15)
+    assert 2.0 * rises[1] - rises[0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_worn_contact_wire_between_anchors_keeps_its_strain():
+    """T / EA stays where a wire hardly sags: its tension falls with its section, by wear and by warmth."""
+    text = table([55, 55, 55], "tension = 22e3, mass = 1.35", 1.08, 5.75, "contact_wire").replace(str(EA), "18e6")
+    line, _ = at(text, worn=0.2)
+    assert line.sections[0].contact_wire.tension == pytest.approx(0.8 * 22e3, abs=25.0)
+    line, _ = at(text, 10.0, 0.2)
+    assert line.sections[0].contact_wire.tension == pytest.approx(0.8 * (22e3 - 3060.0), abs=25.0)
+
+
+def test_wear_of_the_model_is_that_of_the_form():
+    """Mass and heights of the mesh; no wear changes nothing; a line whose wires keep their tension wears, too."""
+    text = table([50, 60, 50], "tension = 22e3, mass = 1.35", 1.08, 6.0).replace(", fixed = true", "")
+    values = {"line_table.table": text, "method": "implicit", "contact_position": 80.0}
+
+    def model(*effects, **more):
+        catenary = Catenary(["line_table", *effects], {k: v for k, v in (values | more).items() if k != "contact_position"})
+        catenary.set("contact_position", 80.0)
+        catenary.initialize(0.0)
+        return catenary
+
+    plain, none, worn = model(), model("wear", **{"wear.share": 0.0}), model("wear", **{"wear.share": 0.2})
+    _, form = at(text, worn=0.2)
+    heights = np.interp(form.layout.droppers.position, worn.mesh.position, worn.mesh.height[: worn.mesh.position.size])
+    assert heights == pytest.approx(form.layout.droppers.height, abs=1e-6)
+    assert none["wire_height"] == pytest.approx(plain["wire_height"], abs=1e-10)
+    assert "wear.share" not in plain.parameters
+    lighter = [model.mesh.mass[np.isfinite(model.mesh.mass)].sum() for model in (plain, worn)]
+    assert lighter[0] - lighter[1] == pytest.approx(0.2 * 1.35 * 160.0, rel=0.01)  # but for the halves at the anchors
+
+
 def test_no_change_changes_nothing():
     text = table([50, 60, 45], "tension = 22e3, mass = 1.35", 1.08, 6.0)
     line, form = at(text, 0.0)
@@ -124,6 +172,9 @@ def test_the_command_gives_the_droppers_of_a_warm_line(tmp_path):
     assert [float(row["height [m]"]) for row in rows] == pytest.approx(form.layout.droppers.height)
     rest = Catenary(["line_table"], {"line_table.table": text}).form()
     assert [float(row["cut length [m]"]) for row in rows] == pytest.approx(rest.cut_length, abs=1e-8)  # cut once for all
+    both = CliRunner().invoke(app, ["railway", "line", str(file), "--temperature", "30", "--wear", "20%"])
+    assert both.exit_code == 0
+    assert "mine, +30 K, 20 % worn since" in both.output
     file.write_text(text.replace(", fixed = true", ""), encoding="utf-8")
     done = CliRunner().invoke(app, ["railway", "line", str(file), "--temperature", "30"])
     assert isinstance(done.exception, BadInput)
