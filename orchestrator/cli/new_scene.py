@@ -8,10 +8,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
-from numpy import linspace
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, pick
 from .common import is_scene, print_written, warn
 from .new import new
 from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, share
@@ -328,7 +327,8 @@ def case(
     axes = [ways] if ways else []
     for place, values in ranges_of(over).items():
         if isinstance(values, dict):
-            values = linspace(values["from"], values["to"], values["points"]).tolist()
+            low, high, points = values["from"], values["to"], values["points"]
+            values = [low + (high - low) * k / max(points - 1, 1) for k in range(points)]
         loaded.with_changes({place: values[0]})  # the scene refuses what it has not
         shown = [(f"{v:g}", f"{v:.9g}") if isinstance(v, float) else (v, f'"{v}"') for v in values]
         axes.append([(f"{place.partition('.')[2]} = {words}", [f'"{place}" = {toml}']) for words, toml in shown])
@@ -354,34 +354,46 @@ def case(
 def table(
     file: File,
     scene: Annotated[str, Argument(help="Shipped scene or scene file. cosimo runs it once.")],
+    standard: Annotated[
+        str, Option(help="Only the figures that a standard is about, with their places in it: iec63453, en50318 or tsi-ene.")
+    ] = "",
     in_process: InProcess = True,
 ) -> None:
     """Write a table of limits with a row for each figure of a scene. Example: cosimo new table my-limits.toml my-scene.toml
+
+    Or with the rows of a standard: cosimo new table mine.toml en50318-2018-ac-simple --standard iec63453
 
     Every row is missing its range, and nothing passes by it; the number of one run stands beside it. Fill in low, high, standing and
     source. Then: cosimo run my-scene.toml --limits my-limits.toml
     """
     from ..harness.validation.reference import MISSING, STANDINGS
     from ..systems import run
+    from ..systems.railway.standards import FRAMES, framed
+
+    if standard:
+        pick(standard, FRAMES, "--standard", "one of " + ", ".join(FRAMES))  # before the run
 
     result = run(scene, in_process=in_process, verify="no")
     if result.outcome != "done":
         raise BadInput("new table", f"a run that {result.outcome}: {result.message}", "a scene that reaches its end")
     rows = [row for row in result.summary if isfinite(row.value) and not row.part]
-    if not rows:
-        raise BadInput("new table", f"{result.scene.name}, which has no figures", "a scene whose [analysis] has a system")
+    title, places = framed(standard, rows) if standard else ("", [(row, "") for row in rows])
+    if not places:
+        what = f"{result.scene.name}, which has no figures{' of that standard' if rows else ''}"
+        raise BadInput("new table", what, "a scene of pantographs" if rows else "a scene whose [analysis] has a system")
     standings = ", ".join(standing for standing in STANDINGS if standing != MISSING)
     parts = [
         f"# Fill in of each row low, high or both, its standing ({standings}; unconfirmed needs a confidence), and source, a key of",
         "# [sources]. Remove rows that nothing limits. A number of a run is no source of a limit for it.",
         "",
         "[sources]",
-        '# sheet = "where ranges are from: document, page, date"',
+        f'# sheet = "{title or "where ranges are from: document"}, page, date"',
         "",
     ]
-    for row in rows:
+    for row, place in places:
+        parts += [f"# {title}, {place}"] if place else []
         parts += ["[[rows]]", f'quantity = "{row.text}"', f'measure = "{row.name}"', f'unit = "{row.unit}"']
         parts += [f'standing = "{MISSING}"  # {row.value:.6g} in one run of {result.scene.name}', ""]
     write_new(file, "\n".join(parts))
     print_written([file])
-    print(f"{len(rows)} rows without ranges: fill them in; next: cosimo run {scene} --limits {file}")
+    print(f"{len(places)} rows without ranges: fill them in; next: cosimo run {scene} --limits {file}")

@@ -61,9 +61,10 @@ def test_winter_summer_wear_and_stitch_wires_are_options(folder, capsys):
     section = read_line((folder / "line.toml").read_text(encoding="utf-8")).sections[0]
     assert (section.messenger.fixed, section.messenger.axial_stiffness, section.span.wear) == (True, 11.6e6, 0.1)
     assert (section.stitch.half_length, section.stitch.tension, section.stitch.mass) == (9.0, 3500.0, 0.31)
-    assert exit_code("railway", "fit-pantograph", "head.csv", "--masses", 2, "-o", "fitted") == 0
+    values = "\n".join(f"{key} = {value}" for key, value in FITTED.items())
+    (folder / "fitted.toml").write_text(f'[units.mine]\ncomponent = "Pantograph"\n[units.mine.parameters]\n{values}\n')
     capsys.readouterr()
-    fitted = ("--line", "line.toml", "--pantograph", "fitted/pantograph.toml", "--speed", "120 km/h")
+    fitted = ("--line", "line.toml", "--pantograph", "fitted.toml", "--speed", "120 km/h")
     assert exit_code("new", "scene", "told.toml", *fitted) == 0
     assert "static_force = 120 N, of EN 50318:2002: give that of your pantograph" in capsys.readouterr().err
     own = ("--static-force", "90 N", "--working-height", "0.1 m")
@@ -148,6 +149,20 @@ def test_nothing_passes_by_a_table_of_a_scenes_own_figures_until_a_row_has_a_sou
     limits.write_text(old + row, encoding="utf-8")
     assert exit_code(*run) == 2
     assert "where the range was read" in capsys.readouterr().err
+
+
+def test_a_standards_frame_has_its_figures_and_no_number_of_it(tmp_path, capsys):
+    for standard, count in (("iec63453", 9), ("tsi-ene", 5)):
+        limits = tmp_path / f"{standard}.toml"
+        assert exit_code("new", "table", limits, "en50318-2002", "--standard", standard) == 0
+        rows = tomllib.loads(limits.read_text(encoding="utf-8"))["rows"]
+        assert len(rows) == count
+        assert {row["standing"] for row in rows} == {"missing"}
+        assert not any({"low", "high"} & row.keys() for row in rows)
+    assert "point 4.2.12" in limits.read_text(encoding="utf-8")
+    for scene, standard, named in (("en50318-2002", "iec63435", "'iec63453'"), ("mass-on-spring", "en50318", "no figures")):
+        assert exit_code("new", "table", tmp_path / "new.toml", scene, "--standard", standard) == 2
+        assert named in capsys.readouterr().err
 
 
 def test_two_supports_are_a_line_and_one_is_none(folder, capsys):

@@ -49,6 +49,13 @@ class Wire:
     masses: tuple[Stretch, ...] = ()
     clamped_to: int | None = None
 
+    @property
+    def least_worn(self) -> float:
+        """Largest factor of the mass along the wire."""
+        worn = sum(part.end - part.start for part in self.masses)
+        factors = [part.value for part in self.masses]
+        return max(factors if worn > self.end - self.start - 1e-6 else [*factors, 1.0])
+
 
 @dataclass(frozen=True)
 class Holds:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ....components.railway.hung_line import HungLine
 from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
 from ...harness.analysis.signals import ButterworthFilter
@@ -139,6 +141,24 @@ def _parameters(scene: Scene, unit: str) -> Mapping[str, Any]:
         return {}
     settings = scene.units[unit]
     return cls(settings.effects, settings.parameters, preset=settings.preset, name=unit).parameters
+
+
+def wave_speed(result: Result, catenary: str) -> float | None:
+    """Lowest wave speed of the contact wires, m/s, as the line of a run has them; None where the unit does not say.
+
+    catenary: the unit, or an effect of it behind its name.
+    """
+    unit, _ = result.scene.split(f"{catenary}.")
+    cls, values = result.scene.kinds[unit].component_class, result.info.units[unit].parameters
+    if cls is not None and "line_table.table" in values:
+        settings = result.scene.units[unit]
+        line = cls(settings.effects, settings.parameters, preset=settings.preset, name=unit)
+        assert isinstance(line, HungLine)
+        layout = line.form().layout
+        return min(math.sqrt(w.tension / (w.mass * w.least_worn)) for w in layout.wires if w.lane in layout.contact_lanes)
+    if "contact_wire_tension" not in values or "line_table.table" in values:
+        return None
+    return math.sqrt(float(values["contact_wire_tension"]) / float(values["contact_wire_mass"]))
 
 
 SECOND = ".second_wire"  # behind the name of a pantograph: what it does on a second contact wire

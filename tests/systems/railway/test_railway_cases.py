@@ -1,16 +1,21 @@
 """The railway cases: their closed forms are solutions, their variants differ, their verdicts follow the standing."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from cosimo import run
+from cosimo.orchestrator import systems
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
+from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases, load_scene
-from cosimo.orchestrator.systems.railway.cases import catenary_statics, en50318_2002
-from cosimo.orchestrator.systems.railway.records import statistics
+from cosimo.orchestrator.systems.railway.cases import bane_nor, catenary_statics, en50318_2002
+from cosimo.orchestrator.systems.railway.records import statistics, wave_speed
 from cosimo.orchestrator.systems.railway.runs import at_speed, numbers, reference_run, target_mean, with_stable_substep
 
+UNEQUAL = (Path(systems.__file__).parent / "railway" / "lines" / "unequal.toml").read_text(encoding="utf-8")
 IN_PROCESS = Options(in_process=True)
 
 
@@ -93,3 +98,42 @@ def test_unconfirmed_rules_do_not_pass_even_if_all_are_kept():
     rows = compare(tuple(replace(r, low=None, high=1e9) for r in table.rows), {r.measure: 0.0 for r in table.rows})
     assert all(r.inside for r in rows)
     assert outcome(rows) == "unconfirmed"
+
+
+def judged_by_rules(name, **changes):
+    """Rows of a shipped scene, shortened, under the rules: (object, measure) -> row; and the case."""
+    result = run(load_scene(name).with_changes({"limits": "bane-nor", **changes}), in_process=True, verify="no")
+    case, _ = judge(result, result.summary)
+    return {(row.reference.condition.partition(",")[0], row.reference.measure): row for row in case.findings.rows}, case, result
+
+
+def test_rules_that_can_be_read_give_a_verdict():
+    """Each row is firm; a spacing that is just kept, a static force that is not; another supply has no rules."""
+    rows, case, result = judged_by_rules("two-pantographs", stop_time=4.0, **{"analysis.spans": [5, 5]})
+    assert rows["leading", "speed_ratio"].simulated == pytest.approx(250.0 / 3.6 / (20e3 / 1.35) ** 0.5, rel=1e-6)
+    assert rows["trailing", "spacing"].simulated == pytest.approx(200.0, abs=1e-6)
+    assert {measure for (_, measure), row in rows.items() if not row.inside} == {"static_force"}
+    assert {row.reference.standing for row in rows.values()} == {"verbatim"}
+    assert case.outcome == "failed"
+    other = replace(result, scene=result.scene.with_changes({"analysis.supply": "3 kV DC"}))
+    case, _ = judge(other, other.summary)
+    assert "leading: bane-nor has no rule for 3 kV DC" in case.findings.notes
+    assert case.outcome != "passed"
+
+
+def test_the_wave_speed_is_that_of_the_table_and_heights_are_those_of_the_window():
+    rows, _, result = judged_by_rules("unequal-spans", stop_time=4.5, **{"analysis.spans": [3, 5]})
+    speed = result.scene.units["pantograph"].parameters["speed"]
+    assert rows["pantograph", "speed_ratio"].simulated == pytest.approx(speed / (22e3 / 1.35) ** 0.5, rel=1e-4)
+    assert rows["pantograph", "height_low"].simulated == 5.25
+    assert rows["pantograph", "height_high"].simulated == 5.3
+    worn = result.scene.with_changes({"catenary.line_table.table": UNEQUAL.replace("0.001 }", "0.001, wear = 0.1 }")})
+    assert wave_speed(replace(result, scene=worn), "catenary") == pytest.approx((22e3 / 1.215) ** 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("speed", "least"), [(79.0, 8.0), (80.0, 8.0), (81.0, 15.0), (120.0, 15.0), (121.0, 85.0), (249.0, 85.0), (250.0, 200.0)]
+)
+def test_the_spacing_of_a_speed_is_that_of_its_row(speed, least):
+    (row,) = load_table("bane-nor").under(f"AC, pantographs, {bane_nor.spaced(speed)}")
+    assert row.low == least

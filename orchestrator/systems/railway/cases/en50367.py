@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from ....harness.validation import Evidence, Runs
 from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, TableRow, compare, load_table
 from .. import RailwayKeys
-from ..records import measured, passages, statistics
+from ..records import measured, passages, statistics, wave_speed
 from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
 
 if TYPE_CHECKING:
@@ -89,10 +88,8 @@ def conditions(supply: str, speed: float) -> tuple[str, ...]:
 def _measures(result: Result, pantograph: int) -> dict[str, float]:
     s, passage = statistics(result, pantograph=pantograph), passages(result)[pantograph]
     speed = passage.speed / KMH
-    catenary, _ = result.scene.split(f"{passage.catenary}.")  # of a second contact point, the effect stands behind the unit
-    wire = result.info.units[catenary].parameters
-    given = {"contact_wire_tension", "contact_wire_mass"} <= wire.keys()
-    ratio = {"speed_ratio": passage.speed / math.sqrt(wire["contact_wire_tension"] / wire["contact_wire_mass"])} if given else {}
+    wave = wave_speed(result, passage.catenary)
+    ratio = {"speed_ratio": passage.speed / wave} if wave else {}
     return (
         measured(s)
         | ratio
