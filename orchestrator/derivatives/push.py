@@ -37,15 +37,14 @@ class PushedScene:
         self.block.seed()
         self.block.pace(h)
 
-    def push(self, along: np.ndarray | None = None) -> None:
-        """Add tangents along a direction of all cells, (n,); without one, to the samples that inputs follow from.
+    def push(self, along: np.ndarray | None = None, new: float = 1.0) -> None:
+        """Add tangents along a direction of all cells, (n,), and `new` times those of the samples that inputs follow from.
 
-        These are of the sizes of the inputs' nominal values.
+        The latter are of the sizes of the inputs' nominal values; without a direction they are all.
         """
-        if along is None:
-            self.block.tangents[self._seeds, 0] += self._push
-        else:
+        if along is not None:
             self.block.tangents[:, 0] += along
+        self.block.tangents[self._seeds, 0] += self._push if along is None else new * self._push
 
     def direction(self, size: float) -> np.ndarray | None:
         """What a push has become, (n,), over its `size`; None where nothing is left, or too much."""

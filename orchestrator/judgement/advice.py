@@ -180,6 +180,8 @@ def stability_of(scene: Scene, counted: float = 0.0) -> StabilityAdvice:
             growth = coupling.growth(scene.master.step)
             if not growth.unstable and scene.master.step > coupling.most:
                 return StabilityAdvice(why="the run has too few macro steps to see growth along it")
+            if growth.untold:
+                return StabilityAdvice(why=growth.untold)
             return StabilityAdvice(growth, coupling.longest() if growth.constant else None, looked)
     except BadInput as error:
         return StabilityAdvice(why=error.actual)

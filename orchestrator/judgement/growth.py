@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,8 +24,7 @@ class Growth:
     rate: 1/s, below 0 where it decays; infinite where the run ended, which `failure` tells.
     finer: 1/s, with a quarter of the step or less.
     constant: whether the derivative of a macro step is the same all along the run.
-    fresh: both rates of pushes that begin anew in each stretch of the run, where `rate` and `finer` are those of one along the run.
-    everywhere: whether that one grows in every stretch, and faster than with a quarter of the step.
+    everywhere: whether it grows in every stretch of the run, and faster than with a quarter of the step.
     """
 
     step: float
@@ -34,18 +33,20 @@ class Growth:
     finer: float
     constant: bool
     failure: str = ""
-    fresh: tuple[float, float] | None = None
     everywhere: bool = False
 
     @property
     def unstable(self) -> bool:
         """Whether the coupling makes disturbances grow that would not grow so by themselves."""
-        if self._more(*(self.fresh or (self.rate, self.finer)), 0.0 if self.constant else EXCESS):
-            return True
-        return self.everywhere and self._more(self.rate, self.finer, math.log(GROWN))
+        excess = 0.0 if self.constant else math.log(GROWN) if self.everywhere else EXCESS
+        return self.rate > max(FASTER * self.finer, self.finer + excess / self.duration, 0.0)
 
-    def _more(self, rate: float, finer: float, excess: float) -> bool:
-        return rate > max(FASTER * finer, finer + excess / self.duration, 0.0)
+    @property
+    def untold(self) -> str:
+        """Why growth does not tell whether the coupling is stable; "" where it does."""
+        if self.constant or self.unstable or (own := self.finer * self.duration) <= EXCESS:
+            return ""
+        return f"disturbances grow by themselves, with short steps by a factor of e^{own:.3g} in the run, and hide what the coupling adds"
 
     @property
     def lost(self) -> float:
@@ -55,7 +56,7 @@ class Growth:
     @property
     def text(self) -> str:
         """What happens, for the reader."""
-        rate = max(self.rate, self.fresh[0]) if self.fresh and self.unstable else self.rate
+        rate = self.rate
         if self.failure or not math.isfinite(rate):
             return self.failure or ("grows beyond all numbers" if rate > 0.0 else "leaves nothing")
         if abs(rate) * self.duration <= (0.0 if self.constant else STILL):
@@ -63,8 +64,15 @@ class Growth:
         return f"{'grows' if rate > 0.0 else 'decays'} by a factor of 2.7 in {1.0 / abs(rate * self.step):.3g} steps"
 
 
+class Grown(NamedTuple):
+    """What a push has grown by in a stretch, as logarithms: at its end, and in its mean."""
+
+    whole: float
+    mean: float
+
+
 class StepLimit(NamedTuple):
-    """The longest stable step, s: infinite where the longest one tried is stable, 0 where the shortest is not.
+    """The longest stable step, s: infinite where the longest one tried is stable, 0 where the shortest is not, NaN where it is not told.
 
     seen: what the next longer one does.  tried: the longest or shortest step that was tried, s.
     """
@@ -91,6 +99,27 @@ def growth_rate(sizes: np.ndarray, h: float) -> float:
     if not (early and late):
         return -math.inf if early else math.inf if late else -math.inf
     return math.log(late / early) / ((whole - 2 * part) * h)
+
+
+def grown_in(sizes: np.ndarray, h: float, new: bool) -> Grown:
+    """Of sizes (n,), h seconds apart, of a push that had size 1 before, or, new, begins with the first of them."""
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        whole, mean = np.log([sizes[-1], sizes.mean()]) - (np.log(sizes[0]) if new else 0.0)
+    if math.isfinite(whole) and math.isfinite(mean):
+        return Grown(float(whole), float(mean))
+    whole = growth_rate(sizes, h) * sizes.size * h
+    return Grown(whole, 0.5 * whole)
+
+
+def growth_along(grown: Sequence[Grown], length: float) -> float:
+    """How fast a push grows along stretches of a length, s, from the mean of the first to that of the last, 1/s.
+
+    Minus infinity where nothing is left; stretches in which units stick, and nothing is left of it, do not count.
+    """
+    left = [one for one in grown if one.whole > -math.inf]
+    if len(left) < 2 or any(one.whole == math.inf for one in left):
+        return max((one.whole for one in left), default=-math.inf) / length
+    return (sum(one.whole for one in left[:-1]) + left[-1].mean - left[0].mean) / ((len(left) - 1) * length)
 
 
 def longest_stable(grows: Callable[[float], str], first: float, least: float, most: float, accuracy: float) -> StepLimit:

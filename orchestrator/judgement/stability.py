@@ -2,10 +2,11 @@
 
 Where the derivative of a macro step is the same all along the run, the largest absolute eigenvalue of the part that reaches from unit
 to unit decides. Where it changes, eigenvalues at an instant prove nothing: a push is followed over stretches of the run. Each
-stretch begins on a run with a quarter of the scene's step, so that no contact or stop has bounded yet what grows. The growth is the
-mean over the stretches, beside that with a quarter of the step, which shows what grows by itself. Pushes that begin anew in each
-stretch show what grows fast. One that goes on from stretch to stretch shows what grows slowly, which in a new one is hidden by all
-that decays.
+stretch begins on a run with a quarter of the scene's step, so that no contact or stop has bounded yet what grows. The push goes on
+from stretch to stretch, so that of all that decays nothing is left in it, and its growth is that from the first to the last instant:
+growth within stretches, one by one, has the chance of where in an oscillation each begins and ends. Beside it the growth with a
+quarter of the step shows what grows by itself. A little of a new push is added in each stretch, for what grows may have been lost.
+Where pushes grow by themselves, as of a motion that is chaotic, growth tells nothing of the coupling.
 """
 
 from __future__ import annotations
@@ -21,15 +22,16 @@ from ...components.core.errors import BadInput, StepFailed
 from ..derivatives.coupled_step import CoupledStep, sampling_periods
 from ..derivatives.push import PushedScene
 from ..derivatives.tangent_block import Instant
-from ..run.thresholds import AT_REST, SAME_MAP
+from ..run.thresholds import AT_REST, EXCESS, SAME_MAP
 from ..scene.scene import Scene
-from .growth import Growth, StepLimit, growth_rate, longest_stable
+from .growth import Grown, Growth, StepLimit, grown_in, growth_along, longest_stable
 
 FINER = 4  # steps that one is compared with
 FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not
 STRETCHES = 12  # of a run, over which a push is followed
 LEAD = 6  # stretches, the last ones, that a push passes before: by then what grows least slowly is left of it
 FEWEST = 16  # macro steps of a stretch
+NEW = 1e-6  # what is added to a push in each stretch: stiff bearings make 1e3 times as much of it for some steps
 WARM = 3  # macro steps, which fill the histories of the inputs with samples of one distance
 MOST = 400  # states of units whose Jacobian is worth its time
 ACCURACY = 1.01, 1.0 + 1e-9  # of a limit: of growth along the run, of an eigenvalue
@@ -39,7 +41,7 @@ ROUNDING = 1e-9  # of an absolute eigenvalue
 
 
 class Rates(NamedTuple):
-    """Growth, 1/s: the mean of stretches, and of each; without stretches, of an eigenvalue.  failure: why a run ended."""
+    """Growth, 1/s: over the run, and over each stretch; without stretches, of an eigenvalue.  failure: why a run ended."""
 
     mean: float
     stretches: tuple[float, ...] = ()
@@ -52,25 +54,20 @@ class CouplingStability:
     def __init__(self, scene: Scene, stack: ExitStack):
         """`stack` closes the units. Raises `BadInput` for what has no derivatives, `StepFailed` where the scene does not start."""
         self.scene, self._pushed = scene, PushedScene(scene, stack)
-        self._known: dict[tuple[float, bool], Rates] = {}
+        self._known: dict[float, Rates] = {}
 
     def growth(self, h: float) -> Growth:
         """Of disturbances with macro steps of h, s."""
         new, fraction = self._rate(h), FINER
-        while (finer := self._rate(h / fraction)).mean > 0.0 and fraction < FINEST:  # a quarter of the step may be too long, too
-            fraction *= FINER
-        if self.constant or h > self.most or new.failure:
-            return Growth(h, self.scene.duration, new.mean, finer.mean, self.constant, new.failure)
-        along, shorter = (self._rate(step, anew=False) for step in (h, h / FINER))
-        everywhere = all(a > max(b, 0.0) for a, b in zip(along.stretches, shorter.stretches, strict=False))
-        fresh = new.mean, finer.mean
-        return Growth(h, self.scene.duration, along.mean, shorter.mean, False, along.failure, fresh, everywhere)
+        noise = 0.0 if self.constant else EXCESS / self.scene.duration
+        while (finer := self._rate(h / fraction)).mean > noise and fraction < FINEST:
+            fraction *= FINER  # a quarter of the step may be too long, too
+        everywhere = all(a > max(b, 0.0) for a, b in zip(new.stretches, finer.stretches, strict=False))
+        return Growth(h, self.scene.duration, new.mean, finer.mean, self.constant, new.failure, everywhere)
 
     def grows(self, h: float) -> str:
         """What disturbances do with macro steps of h, s, where the coupling lets them grow; "" where it does not."""
-        if self._rate(h).mean <= 0.0 and (
-            self.constant or h > self.most or min(self._rate(h, anew=False).stretches, default=1.0) <= 0.0
-        ):
+        if self._rate(h).mean <= 0.0:
             return ""
         growth = self.growth(h)
         return growth.text if growth.unstable else ""
@@ -80,6 +77,8 @@ class CouplingStability:
         step, least = self.scene.master.step, self.scene.master.step / SHORTEST
         if self.constant:
             return longest_stable(self.grows, least, least, max(step, self.scene.duration / FEWEST_STEPS), ACCURACY[True])
+        if why := self.growth(step).untold:
+            return StepLimit(math.nan, why, step)
         return longest_stable(self.grows, step, least, max(self.most, least), ACCURACY[False])
 
     @property
@@ -156,34 +155,33 @@ class CouplingStability:
             reached.append(block.save())
         return reached
 
-    def _rate(self, h: float, anew: bool = True) -> Rates:
-        """With macro steps of h, s.  anew: another push in each stretch."""
-        if (h, anew) not in self._known:
+    def _rate(self, h: float) -> Rates:
+        """With macro steps of h, s."""
+        if h not in self._known:
             same = self._map
-            self._known[h, anew] = self._along_the_run(h, anew) if same is None else Rates(math.log(self._radius(h, *same)) / h)
-        return self._known[h, anew]
+            self._known[h] = self._along_the_run(h) if same is None else Rates(math.log(self._radius(h, *same)) / h)
+        return self._known[h]
 
-    def _along_the_run(self, h: float, anew: bool) -> Rates:
+    def _along_the_run(self, h: float) -> Rates:
         pushed, scene = self._pushed, self.scene
         n = max(round(self._stretch / h), FEWEST)
         reached, fine = self._instants[1:] or self._instants, scene.master.step / FINER
         begins = [reached[0].time + k * n * h for k in range(len(reached))]  # a push goes on at the instant that it has come to
         begins = [t for k, t in enumerate(begins) if not k or t + (n + WARM) * h <= scene.stop_time]
-        rates: list[float] = []
+        grown: list[Grown] = []
         along = None
-        for t in begins if anew else [*begins[-LEAD:], *begins]:
+        for t in [*begins[-LEAD:], *begins]:
             instant = next(one for one in reversed(reached) if one.time <= t)
             pushed.back(instant, fine)
             try:
                 pushed.block.advance(round((t - instant.time) / fine))
                 pushed.block.pace(h)
                 pushed.block.advance(WARM)
-                pushed.push(along)
+                pushed.push(along, NEW)
                 sizes = pushed.sizes(n)
             except StepFailed as error:
                 return Rates(math.inf, failure=str(error))
-            rates.append(growth_rate(sizes, h))
-            along = None if anew else pushed.direction(float(sizes[-1]))
-        rates = rates[-len(begins) :]
-        left = [rate for rate in rates if rate > -math.inf]  # where units stick, nothing is left of a push
-        return Rates(float(np.mean(left)) if left else -math.inf, tuple(rates))
+            grown.append(grown_in(sizes, h, new=along is None))
+            along = pushed.direction(float(sizes[-1]))
+        grown = grown[-len(begins) :]
+        return Rates(growth_along(grown, n * h), tuple(one.whole / (n * h) for one in grown))

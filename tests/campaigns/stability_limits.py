@@ -18,8 +18,8 @@ from typing import Any
 
 from cosimo import load_scene
 from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.orchestrator.judgement.advice import coupling_of
 from cosimo.orchestrator.judgement.growth import limit_text
-from cosimo.orchestrator.judgement.stability import CouplingStability
 from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.tests.campaigns.stability_hunt import quietly
 
@@ -32,11 +32,15 @@ HEAD = f"""| scene | longest step, ms | {" | ".join(f"at {share:g}" for share in
 def found(name: str) -> dict[str, Any]:
     """Limit of a scene, and of each share outcome and error; or `refused`."""
     scene = load_scene(name)
+    if all(len(group) == 1 for group in scene.coupling.groups):
+        return {"refused": "no unit feeds back to another"}
     try:
         with ExitStack() as stack:
-            limit = CouplingStability(scene, stack).longest()
+            limit = coupling_of(scene, stack).longest()
     except (BadInput, StepFailed) as error:
         return {"refused": str(error)}
+    if math.isnan(limit.longest):
+        return {"refused": limit.seen}
     runs: list[tuple[str, float]] = []
     for share in SHARES if 0.0 < limit.longest < math.inf else ():
         try:
