@@ -119,7 +119,9 @@ def kept_errors(scene: Scene) -> Kept:
 def _never_covered(scene: Scene) -> dict[str, str]:
     """What no repetition covers, each with what it is."""
     return {name: m.what for name, m in meshes_of(scene, random=True).items()} | {
-        name: "the mesh of an FMU, which is not known" for name in scene.units if name not in scene.component_classes
+        name: "internal steps and mesh of an FMU, which are not known"
+        for name in scene.units
+        if name not in scene.component_classes
     }
 
 
