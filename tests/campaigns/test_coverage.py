@@ -6,7 +6,20 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.campaigns.coverage import MACHINES, Coverage, chances, coverage, draws, interval, springs
+from cosimo.tests.campaigns.coverage import (
+    MACHINES,
+    SOLVED,
+    TESTED,
+    Coverage,
+    chances,
+    coverage,
+    drawn,
+    draws,
+    interval,
+    judged,
+    springs,
+    truths,
+)
 from scipy.stats import binomtest, chi2
 
 
@@ -52,3 +65,21 @@ def test_the_truth_as_fmus_has_the_same_numbers():
     ours, fmus = (cosimo.run(machine.model(stop_time=0.3), verify="no", in_process=here) for here in (True, False))
     for name in machine.noise:
         assert np.array_equal(ours[name], fmus[name])
+
+
+@pytest.mark.full
+@pytest.mark.skipif(not COMPILED, reason="compares the numbers of machine code")
+@pytest.mark.parametrize("name", ["bearing", "catenary"])
+def test_runs_agree_with_equations_that_share_no_code(name):
+    """To a hundredth of the noise: bands of a truth that is solved are those of a truth of the model's steps."""
+    machine = TESTED[name]
+    values = [drawn(machine, machine.model(), 3)]
+    (run,), (solved,) = (list(truths(machine, values, kind)) for kind in ("same", SOLVED))
+    for signal, noise in machine.noise.items():
+        np.testing.assert_allclose(run[signal], np.interp(run.time, solved.time, solved[signal]), rtol=0.0, atol=0.01 * noise)
+
+
+@pytest.mark.full
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_a_wrong_model_is_rejected():
+    assert list(judged(TESTED["catenary"], [1], True)) == [True]
