@@ -3,7 +3,7 @@
 python -m cosimo.tests.campaigns.coverage                   # the table of docs/estimation.md; an hour
 python -m cosimo.tests.campaigns.coverage gimbal 5          # of one machine, with the seeds 0 to 4
 python -m cosimo.tests.campaigns.coverage gimbal 5 half     # the truth takes half of the steps
-python -m cosimo.tests.campaigns.coverage bearing 5 solved  # the truth is solved from equations that share no code with the model
+python -m cosimo.tests.campaigns.coverage gimbal 5 solved   # the truth is solved from equations that share no code with the model
 python -m cosimo.tests.campaigns.coverage gimbal 5 chance   # no estimates: how far the noise alone pulls them
 python -m cosimo.tests.campaigns.coverage gimbal 5 wrong    # whether the verdict rejects a wrong model, and beside it the right one
 
@@ -32,6 +32,7 @@ from cosimo.orchestrator.scene.measured import positive
 from cosimo.orchestrator.scene.names import declared
 from cosimo.tests.estimation.machines import BEARING, CATENARY, GIMBAL, LOST, TROCAR, VEHICLE, WIND_PUMP, Machine, Solved
 from cosimo.tests.estimation.oscillator import SIGNAL, Oscillator
+from cosimo.tests.systems.equations import gimbal_scan
 from scipy.stats import beta
 
 SEEDS = 100
@@ -43,7 +44,7 @@ MACHINES = {
     **TESTED,
     "vehicle": VEHICLE,
     "bearing": replace(BEARING, noise=COARSE[0]),
-    "gimbal": replace(GIMBAL, noise=COARSE[1]),
+    "gimbal": replace(GIMBAL, noise=COARSE[1], solution=lambda t, values: gimbal_scan(t, *values.values())),
     "gimbal-near": replace(GIMBAL, noise=COARSE[1], unknown={n: {"deviation": "5 %"} for n in GIMBAL.unknown}),
 }
 SPRING = "spring"

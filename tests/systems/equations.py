@@ -1,5 +1,7 @@
 """Equations of machines written down and solved without the project's code: what runs and estimates are judged by."""
 
+import math
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -70,3 +72,56 @@ def ball_bearing(t, clearance=CLEARANCE, load=LOAD):
         low, high = (middle, high) if force(middle, 0.0, 0.0)[0] < load else (low, middle)
     x = solved(rates, [low, 0.0, 0.0, 0.0], t, rtol=1e-9, atol=1e-14, max_step=1e-4)
     return {f"bearing.{n}": x[k] for k, n in enumerate(("displacement_x", "displacement_y", "velocity_x", "velocity_y"))}
+
+
+def gimbal_scan(t, frame_inertia=0.02, inner_inertia=0.05):
+    """Pan and tilt head: motors with inductance and limits, a PID controller every 2 ms, Coulomb friction that sticks (kg.m2).
+
+    Steps of Runge and Kutta of 0.05 ms; an axis whose rate changes sign in one stands at its end.
+    """
+    h, cross, axial, weight = 5e-5, 0.03, 0.06, 2.0 * 9.81 * 3e-3
+    kinetic, static = (0.05, 0.03), 1.3
+    axes = ((640.0, 0.0, 1.0, 0.25), (400.0, 0.5 * math.pi, 0.18, 1.0))  # gain, mean of the set point, amplitude, Hz
+
+    def drives(x):
+        swing = (cross - axial) * math.sin(x[1]) * math.cos(x[1])
+        return 0.1 * x[4] - 2.0 * swing * x[2] * x[3], 0.1 * x[5] - weight * math.sin(x[1]) + swing * x[2] ** 2
+
+    def winding(volt, rate, current):
+        induced = 0.1 * rate
+        given = min(max(volt, induced - 10.0), induced + 10.0)  # 5 A at 2 Ohm
+        return (min(max(given, -24.0), 24.0) - 2.0 * current - induced) / 1e-3
+
+    def rates(x):
+        inertias = (frame_inertia + cross * math.sin(x[1]) ** 2 + axial * math.cos(x[1]) ** 2, inner_inertia)
+        turned = zip(drives(x), modes, kinetic, inertias, strict=True)
+        turns = [(drive - mode * level) / inertia if mode else 0.0 for drive, mode, level, inertia in turned]
+        return [x[2], x[3], *turns, winding(volts[0], x[2], x[4]), winding(volts[1], x[3], x[5])]
+
+    def beyond(x, step, slope):
+        return [one + step * rate for one, rate in zip(x, slope, strict=True)]
+
+    x, modes, volts, integrals, rows = [0.0, 0.5 * math.pi, 0.0, 0.0, 0.0, 0.0], [0, 0], [0.0, 0.0], [0.0, 0.0], []
+    for k in range(round(t[-1] / h) + 1):
+        for n, drive in enumerate(drives(x)):
+            if not modes[n] and abs(drive) > static * kinetic[n]:  # it breaks loose
+                modes[n] = int(math.copysign(1.0, drive))
+        if k % 40 == 0:
+            rows.append(x[:2])
+            for n, (gain, mean, amplitude, frequency) in enumerate(axes):
+                w = 2.0 * math.pi * frequency
+                error = mean + amplitude * math.sin(w * k * h) - x[n]
+                wanted = gain * (error + 0.1 * (amplitude * w * math.cos(w * k * h) - x[n + 2])) + integrals[n]
+                volts[n] = min(max(wanted, -24.0), 24.0)
+                integrals[n] += 2e-3 * (gain * error + (volts[n] - wanted) / 0.1)
+        k1 = rates(x)
+        k2 = rates(beyond(x, 0.5 * h, k1))
+        k3 = rates(beyond(x, 0.5 * h, k2))
+        x = beyond(
+            x, h / 6.0, [a + 2.0 * b + 2.0 * c + d for a, b, c, d in zip(k1, k2, k3, rates(beyond(x, h, k3)), strict=True)]
+        )
+        for n in (0, 1):
+            if modes[n] * x[n + 2] < 0.0:
+                x[n + 2], modes[n] = 0.0, 0
+    times, angles = 2e-3 * np.arange(len(rows)), np.array(rows)
+    return {f"body.{name}_angle": np.interp(t, times, angles[:, n]) for n, name in enumerate(("outer", "inner"))}
