@@ -29,6 +29,7 @@ from .catenary_effects import (
     LineTable,
     MovingWindow,
     PreSag,
+    Scatter,
     SecondPantograph,
     SecondWire,
     Stagger,
@@ -121,6 +122,8 @@ class Catenary(HungLine):
         "gusts",
         "rows",
         "solver",
+        "random",
+        "at_rest",
     )
     ports = {"contact": ("contact_position", "contact_force", "wire_height", "contact_compliance")}
     counters = ("steps", "solves", "factorizations")
@@ -142,6 +145,7 @@ class Catenary(HungLine):
     line_table = LineTable
     temperature = Temperature
     wear = Wear
+    scatter = Scatter
     second_wire = SecondWire
     stagger = Stagger
     gusts = Gusts
@@ -194,7 +198,8 @@ class Catenary(HungLine):
         `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: further arrays that fill it.  `plan`, `filled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `ready`: 1 when all that follows from
         parameters alone is there.  `points`: see `contact_points`.  `lateral`:
-        rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
+        rows of contact wire, position and stagger.  `random`: of a line as built; `at_rest`: its displacement by slack droppers.
+        `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
         what moves, see `moving_window`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: of the
         implicit one.
@@ -241,6 +246,8 @@ class Catenary(HungLine):
             "filled": empty_numbers(len(layout.wires), d, layout.holds.position.size),
             "network": empty_network(plan, cut) if e.line_table is not None else None,
             "points": points,
+            "random": self._deviations(plan),
+            "at_rest": N if e.scatter is not None else None,
             "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None,
             "balance": empty_balance(mesh),
             "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))),
@@ -335,6 +342,8 @@ def put_outputs(t, mesh, s, p, e):
             mesh.height.size > mesh.position.size and mesh.mass[j + 2] > 0.0
         ):  # of the wires that are there the one that rises further
             y[OUT.support_uplift + k] = max(q[j], q[j + 2]) if mesh.mass[j] > 0.0 else q[j + 2]
+        if s.at_rest is not None:
+            y[OUT.support_uplift + k] -= s.at_rest[j]
     if e.gusts is not None:
         position = u[points[0, 0]]
         y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)
@@ -364,8 +373,8 @@ def catenary_initialize(t, s, p, e):
     nodal, unilateral, status = s.space.nodal, e.dropper_slackening is not None, DONE
     if s.ready[0] == 0.0:
         # the parts of the line and their places
-        if e.temperature is not None or e.wear is not None:
-            status = find_form_later(later_by(e), s.plan, given, s.filled, s.network)
+        if e.temperature is not None or e.wear is not None or e.scatter is not None:
+            status = find_form_later(later_by(e), s.random, s.plan, given, s.filled, s.network)
         elif e.line_table is not None:
             status = find_form_at_rest(s.plan, given, s.filled, s.network)
             fill_droppers(s.plan.dropper_numbers, given, s.filled.dropper)
@@ -379,7 +388,7 @@ def catenary_initialize(t, s, p, e):
         if status == DONE:
             add_fittings(mesh, s.plan, s.filled, s.grid, s.space)
             hang_contact_wires(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
-            if e.dropper_slackening is not None:
+            if e.dropper_slackening is not None and e.scatter is None:
                 status = find_pushed(mesh, refused)
 
         # stiffness, equilibrium in the wind, longest stable step
@@ -409,6 +418,10 @@ def catenary_initialize(t, s, p, e):
                     status = blow(e.gusts, unilateral, mesh, s.plan, s.grid, s.balance, s.space, refused)
                 if status == DONE:
                     status = raise_wind(e.gusts, mesh, s.plan, s.grid, s.gusts)
+            if e.scatter is not None and status == DONE:  # what slack droppers do not push
+                nodal[0] = 0.0
+                if math.isnan(find_balance(nodal[0], unilateral, s.at_rest, mesh, s.balance)):
+                    status = UNBALANCED
             if s.rows is not None and status == DONE:
                 for j in range(nodal.shape[1]):
                     nodal[0, j] = mesh.ground_damping[j]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.component import Effect
-from ..core.variables import PARTS, input_, integer, output, parameter, text
+from ..core.variables import PARTS, SEED, input_, integer, output, parameter, text
 
 FURTHER = 6  # contact points that `further_pantographs` can have
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
@@ -184,6 +184,26 @@ class Wear(Effect):
 
     share = parameter(
         0.1, "1", "share of the contact wires' section that is gone since; their mass falls by it", low=0.0, high=0.5
+    )
+
+
+class Scatter(Effect):
+    """A line as it was built: dropper lengths, heights of supports and tensions differ at random from those of the table.
+
+    Independent normal deviations, the same for the same seed. Droppers that are too long hang slack at rest. The deviations are
+    choices: no measured ones were at hand. All uplifts count from the built line at rest.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+    excludes = ("moving_window",)
+    read_by = ("initialize",)
+
+    seed = integer(1, "of the random deviations", low=0, high=2**31 - 1, structural=SEED)
+    dropper_length = parameter(0.003, "m", "standard deviation of the cut lengths of droppers", low=0.0, high=1.0)
+    support_height = parameter(0.01, "m", "standard deviation of the heights of the messenger at supports", low=0.0, high=1.0)
+    tension = parameter(
+        0.02, "1", "standard deviation of the tensions of contact wires and messengers, as a share", low=0.0, high=0.2
     )
 
 

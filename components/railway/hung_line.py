@@ -13,9 +13,9 @@ from ..core.variables import NUMBERED, PARTS, integer, parameter
 from .line.dropper_table import line_of
 from .line.form import Form, Found, find_form_at_rest, form_of
 from .line.from_table import lay_out, support_positions, unused_by
-from .line.later import find_form_later, fixed_wires, later_by
+from .line.later import AS_PLANNED, deviations, find_form_later, fixed_wires, later_by
 from .line.layout import Layout, uniform
-from .line.plan import Given, fill_droppers, filled_layout
+from .line.plan import Given, Plan, fill_droppers, filled_layout
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 # parameters that a table of a line may leave out
@@ -31,7 +31,7 @@ LINE = (
     "support_stiffness",
     "support_damping",
 )
-LATER = {"temperature", "wear"}  # effects that change what a table says
+LATER = {"temperature", "wear", "scatter"}  # effects that change what a table says
 PLACED = "it decides where nodes are, and how many"
 
 
@@ -82,11 +82,16 @@ class HungLine(KernelComponent):
         formed = Found(layout, given, fixed)
         if LATER & set(self.on):
             later = in_python(later_by)(self._declared_arguments()[1])
-            formed.check(find_form_later(later, formed.plan, given, formed.filled, formed.net))
+            random = self._deviations(formed.plan)
+            formed.check(find_form_later(later, random, formed.plan, given, formed.filled, formed.net))
         else:
             formed.check(find_form_at_rest(formed.plan, given, formed.filled, formed.net))
             fill_droppers(formed.plan.dropper_numbers, given, formed.filled.dropper)
         return form_of(filled_layout(layout, given, formed.filled))
+
+    def _deviations(self, plan: Plan) -> np.ndarray:
+        """Of the line as built, see `deviations`; none without the effect."""
+        return deviations(plan, self.parameters["scatter.seed"]) if "scatter" in self.on else AS_PLANNED
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also what a line's table has in every place, and a support beyond the end."""

@@ -157,19 +157,24 @@ def sensitivity(
 @many_runs
 def uncertainty(
     runs: Runs,
-    plan: PlanFile,
+    plan: OptionalPlanFile = None,
     quantity: Quantities = None,
     limits: Limits = "",
     condition: Conditions = None,
     first_order: FirstOrder = True,
+    samples: Annotated[int, Option(min=8, help="Without --plan: samples of all tolerances and seeds of the scene.")] = 100,
     output: Output = Path("uncertainty"),
 ) -> None:
-    """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
+    """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out
+
+    Without a plan samples are drawn of the tolerances of the scene's units and of the seeds of their effects. With --limits the
+    probability of keeping each limit, and all together, has its interval.
+    """
     from ..harness.many.uncertainty import FOR_TOLERANCE
     from ..harness.report import answers
     from ..systems import many
 
-    limited: dict[str, Any] = {"limits": limits, "conditions": condition or (), "first_order": first_order}
+    limited: dict[str, Any] = {"limits": limits, "conditions": condition or (), "first_order": first_order, "samples": samples}
     answer = many.uncertainty(runs.scene, plan, output, quantities=quantity or [], progress=True, **limited, **runs.how)
     stopped_early(answer.sweep)
     written = [*answer.save(output), answers.for_uncertainty(answer, output)]

@@ -199,7 +199,7 @@ def sensitivity(
 @RENAMED
 def uncertainty(
     scene: Scene | str | Path,
-    plan: PlanLike,
+    plan: PlanLike | None = None,
     output: str | Path | None = None,
     *,
     quantities: Sequence[str] = (),
@@ -210,8 +210,11 @@ def uncertainty(
     progress: bool = False,
     verify: bool = True,
     first_order: bool = True,
+    samples: int = 100,
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
+
+    Without a plan, `samples` are drawn of all tolerances of the scene and of all seeds of its effects.
 
     quantities: columns of a sweep; default: those of the plan or of the scene's [study].  limits: a validation table whose rows are
     limits as well, under these `conditions`.  first_order: samples follow from exact derivatives at the means where runs at the
@@ -221,7 +224,15 @@ def uncertainty(
 
     how: AnswerOptions = {"jobs": jobs, "cluster": cluster, "progress": progress, "verify": verify, "summarize": summary}
     return answer(
-        scene_of(scene), plan, output, quantities=quantities, limits=limits, conditions=conditions, first_order=first_order, **how
+        scene_of(scene),
+        plan,
+        output,
+        quantities=quantities,
+        limits=limits,
+        conditions=conditions,
+        first_order=first_order,
+        samples=samples,
+        **how,
     )
 
 

@@ -1,4 +1,6 @@
-"""A line later than its table says: at another temperature, with a worn contact wire. Droppers keep their cut lengths.
+"""A line other than its table says: as built, at another temperature, with a worn contact wire. Droppers keep their cut lengths.
+
+As built, cut lengths, heights of supports and tensions have random deviations; a dropper may then be slack at rest.
 
 A worn wire is lighter: all wires hang anew. The length of a wire that is anchored at both ends follows from tension, temperature
 and shape,
@@ -21,6 +23,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ...core.errors import BadInput
 from ...core.kernels import DONE, kernel, kernel_tuple
 from .form import Form, Found, Z, find_form_at_rest, given_of, hang
@@ -28,6 +32,7 @@ from .from_table import lay_out
 from .layout import GRAVITY, SECOND, Layout
 from .plan import (
     ADDED,
+    CLAMPED_TO,
     CONTACT,
     CUT_AT_REST,
     CUT_LENGTH,
@@ -35,11 +40,16 @@ from .plan import (
     FIRST,
     FROM,
     HEIGHT,
+    HOLD_HEIGHT,
     LANE,
     LAST,
+    PLACE,
+    SHORT_DROPPER,
+    SPRING_LANE,
     TO,
     UNSETTLED,
     WIRE,
+    Plan,
     fill_droppers,
     fill_holds,
 )
@@ -57,6 +67,17 @@ class Later(NamedTuple):
 
     change: float  # of the temperature, K
     worn: float  # share of the contact wires' present section that is gone
+    dropper_length: float  # standard deviations as built: of cut lengths, m,
+    support_height: float  # of the messenger at supports, m,
+    tension: float  # and of tensions, as a share
+
+
+def deviations(plan: Plan, seed: int) -> np.ndarray:
+    """Standard normal numbers of a line as built: of its droppers, springs to the ground, wires; (d + h + w,)."""
+    return np.random.default_rng(seed).standard_normal(plan.droppers.shape[0] + plan.holds.shape[0] + plan.wires.shape[0])
+
+
+AS_PLANNED = np.zeros(0)  # in the place of `deviations`
 
 
 def fixed_wires(line: Line, layout: Layout, asked: bool) -> Iterator[tuple[int, float, float]]:
@@ -102,7 +123,8 @@ def line_at(line: Line, p: Any, change: float = 0.0, worn: float = 0.0) -> tuple
     wires' section gone since; p: parameters of `Catenary`."""
     layout = lay_out(line, False)
     formed = Found(layout, given_of(p), tuple(fixed_wires(line, layout, change != 0.0)))
-    formed.check(find_form_later(Later(change, worn), formed.plan, formed.given, formed.filled, formed.net))
+    later = Later(change, worn, 0.0, 0.0, 0.0)
+    formed.check(find_form_later(later, AS_PLANNED, formed.plan, formed.given, formed.filled, formed.net))
     sections = list(line.sections)
     for row, section, key in _wires_of_sections(line, layout):
         if row in formed.plan.fixed:
@@ -150,13 +172,58 @@ def later_by(e):
         change = e.temperature.change
     if e.wear is not None:
         worn = e.wear.share
-    return Later(change, worn)
+    if e.scatter is not None:
+        return Later(change, worn, e.scatter.dropper_length, e.scatter.support_height, e.scatter.tension)
+    return Later(change, worn, 0.0, 0.0, 0.0)
 
 
 @kernel
-def find_form_later(later, plan, given, filled, net):
-    """Form of a planned line later than its table says, by `Later`: tensions, heights, preloads; a status."""
+def hold_wires(later, random, plan, given, filled):
+    """`fill_holds` with the heights of supports as built; a status."""
+    status = fill_holds(plan, given, filled.tension, filled.hold, filled.refused)
+    if random.size > 0:
+        for k in range(plan.holds.shape[0]):
+            if plan.lanes[plan.holds[k, SPRING_LANE]] == 0:
+                filled.hold[HOLD_HEIGHT, k] += later.support_height * random[plan.droppers.shape[0] + k]
+    return status
+
+
+@kernel
+def hang_as_cut(plan, filled, net):
+    """Form with the cut lengths of `CUT_AT_REST` and the present tensions, masses and heights of supports."""
+    for k in range(plan.droppers.shape[0]):
+        filled.dropper[HEIGHT, k] = math.nan
+        filled.dropper[CUT_LENGTH, k] = filled.dropper[CUT_AT_REST, k]
+    hang(plan, filled, net)
+
+
+@kernel
+def build(later, random, plan, given, filled, net):
+    """The line as built, from the one at rest; a status."""
+    d, h = plan.droppers.shape[0], plan.holds.shape[0]
+    for k in range(plan.wires.shape[0]):
+        if plan.wires[k, CLAMPED_TO] < 0:
+            filled.tension[k] *= max(1.0 + later.tension * random[d + h + k], 0.0)
+    for k in range(d):
+        filled.dropper[CUT_AT_REST, k] += later.dropper_length * random[k]
+        if filled.dropper[CUT_AT_REST, k] <= 0.0:
+            filled.refused[0], filled.refused[1] = plan.place[plan.droppers[k, PLACE]], filled.dropper[CUT_AT_REST, k]
+            return SHORT_DROPPER
+    status = hold_wires(later, random, plan, given, filled)
+    if status == DONE:
+        hang_as_cut(plan, filled, net)
+    return status
+
+
+@kernel
+def find_form_later(later, random, plan, given, filled, net):
+    """Form of a planned line other than its table says, by `Later`: tensions, heights, preloads; a status.
+
+    random: `deviations`, or `AS_PLANNED`.
+    """
     status = find_form_at_rest(plan, given, filled, net)
+    if status == DONE and random.size > 0:
+        status = build(later, random, plan, given, filled, net)
     if status != DONE:
         return status
     held = plan.fixed_numbers[:, 2]
@@ -176,13 +243,10 @@ def find_form_later(later, plan, given, filled, net):
             now = tension_of(EA, held[k], excess(wire, plan, filled, net), filled.tension[wire])
             moved = max(moved, abs(now / filled.tension[wire] - 1.0))
             filled.tension[wire] = now
-        status = fill_holds(plan, given, filled.tension, filled.hold, filled.refused)
+        status = hold_wires(later, random, plan, given, filled)
         if status != DONE:
             return status
-        for k in range(plan.droppers.shape[0]):
-            filled.dropper[HEIGHT, k] = math.nan
-            filled.dropper[CUT_LENGTH, k] = filled.dropper[CUT_AT_REST, k]
-        hang(plan, filled, net)
+        hang_as_cut(plan, filled, net)
         if moved < CONVERGED:
             return DONE
     filled.refused[0] = later.change

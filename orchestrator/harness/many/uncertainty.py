@@ -15,9 +15,12 @@ from typing import Any, Unpack
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ....components.core.variables import SEED
 from ...output import write_table
 from ...scene.scene import Scene
+from ...scene.tolerances import tolerances_of
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
+from ...units.component import make
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
 from .first_order import first_order as by_derivatives
@@ -28,6 +31,8 @@ from .repetition import blurred
 CONTENT, CONFIDENCE = 0.95, 0.95
 PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
 FEWEST = 8
+SAMPLES = 100
+SEEDS = 10_000  # from which samples take one each
 FOR_TOLERANCE = 93  # samples, the fewest with a tolerance interval of this content and confidence
 
 
@@ -171,23 +176,53 @@ def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDE
     return int(r[beta.sf(content, n + 1 - 2 * r, 2 * r) >= confidence].max(initial=0))
 
 
+def plan_of_tolerances(scene: Scene, samples: int) -> dict[str, Any]:
+    """Plain data of a plan that draws all tolerances of a scene, as normal distributions, and all seeds of its effects, at random.
+
+    Raises `BadInput` for a scene that has neither.
+    """
+    tolerances = tolerances_of(scene)
+    vary: dict[str, Any] = {}
+    correlation = []
+    if tolerances is not None:
+        numbers = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
+        vary = {name: {"distribution": "normal", "mean": mean, "deviation": deviation} for name, mean, deviation in numbers}
+        for pair, r in scene.correlations.items():
+            correlation.append([*(name.strip() for name in pair.split(",")), r])
+    for unit in scene.component_classes:
+        component = make(unit, scene.units[unit])
+        seeds = (v.name for v in component.variables.values() if v.structural == SEED and component.is_active(v.name))
+        vary |= {f"{unit}.{name}": list(range(SEEDS)) for name in seeds}
+    if not vary:
+        raise BadInput(
+            f"{scene.name}: tolerances",
+            "none, and no effect with a seed",
+            "what is uncertain",
+            'Give --plan, or tolerances of units, as in --set units.pantograph.tolerances.static_force="5 N".',
+        )
+    return {"method": "random", "points": samples, "vary": vary, **({"correlation": correlation} if correlation else {})}
+
+
 def uncertainty(
     scene: Scene,
-    plan: PlanSettings | Mapping[str, Any] | str | Path,
+    plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
     directory: str | Path | None = None,
     *,
     quantities: Sequence[str] = (),
     limits: str = "",
     conditions: Sequence[str] = (),
     first_order: bool = True,
+    samples: int = SAMPLES,
     **how: Unpack[AnswerOptions],
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
+    Without a plan `samples` of all tolerances and seeds of the scene, see `plan_of_tolerances`.
+
     `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `first_order`: samples follow from
     derivatives where some runs agree. `how`: as of a sweep. Raises `BadInput`.
     """
-    settings = plan_settings(plan, scene=scene)
+    settings = plan_settings(plan_of_tolerances(scene, samples) if plan is None else plan, scene=scene)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)

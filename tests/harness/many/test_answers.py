@@ -8,7 +8,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.sensitivity import analyse, sample, sensitivity
-from cosimo.orchestrator.harness.many.uncertainty import tolerance_rank, uncertainty
+from cosimo.orchestrator.harness.many.uncertainty import plan_of_tolerances, tolerance_rank, uncertainty
 from cosimo.orchestrator.harness.sweep import sweep
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.harness.many.points import formula
@@ -254,3 +254,41 @@ def test_a_design_that_cannot_be_says_so():
     assert answer.values == {}
     with pytest.raises(BadInput, match="neither minimise nor maximise"):
         design(read_scene(formula()), {"vary": settings["vary"]})
+
+
+def test_without_a_plan_all_tolerances_and_seeds_are_drawn(capsys):
+    """Normal distributions of the tolerances with their correlations; a seed of each effect that has one; nothing is refused."""
+    gusty = {
+        "units": {
+            "catenary": {
+                "component": "Catenary",
+                "effects": ["line_table", "scatter", "gusts"],
+                "tolerances": {"contact_wire_mass": "2 %"},
+            },
+            "pantograph": {"component": "Pantograph", "tolerances": {"static_force": 5.0, "head_mass": "3 %"}},
+        },
+        "correlations": {"pantograph.static_force, pantograph.head_mass": 0.5},
+        "stop_time": 1.0,
+        "master": {"algorithm": "gauss-seidel", "step": 1e-3},
+    }
+    plan = plan_of_tolerances(read_scene(gusty), 200)
+    assert (plan["method"], plan["points"]) == ("random", 200)
+    assert plan["vary"]["pantograph.static_force"] == {"distribution": "normal", "mean": 120.0, "deviation": 5.0}
+    assert plan["vary"]["pantograph.head_mass"]["deviation"] == pytest.approx(0.03 * 7.2)
+    assert {name for name in plan["vary"] if name.endswith("seed")} == {"catenary.scatter.seed", "catenary.gusts.seed"}
+    assert plan["correlation"] == [["pantograph.static_force", "pantograph.head_mass", 0.5]]
+    with pytest.raises(SystemExit) as end:
+        main(["uncertainty", "mass-on-spring", "--quantity", "mass.base_x, maximum"])
+    assert end.value.code == 2
+    assert "no effect with a seed" in capsys.readouterr().err
+
+
+def test_samples_of_tolerances_have_their_deviation():
+    """2 a + b with deviations 0.1 and 0.2 and a correlation of 0.5: sqrt(0.04 + 0.04 + 0.04)."""
+    data = formula(a=1.0, b=3.0) | {"correlations": {"f.a, f.b": 0.5}}
+    data["units"]["f"]["tolerances"] = {"a": 0.1, "b": 0.2}
+    answer = uncertainty(read_scene(data), samples=256, quantities=["f.linear, end"])
+    (spread,) = answer.spreads
+    assert spread.count == 256
+    assert spread.mean == pytest.approx(5.0, abs=4.0 * np.sqrt(0.12 / 256))
+    assert spread.deviation == pytest.approx(np.sqrt(0.12), rel=4.0 / np.sqrt(2.0 * 256))

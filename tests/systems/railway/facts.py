@@ -67,6 +67,7 @@ FACTS = {
                 "stagger",
                 "temperature",
                 "wear",
+                "scatter",
             }
         ),
         # a kink under a force is rounded over sqrt(EI / T)
