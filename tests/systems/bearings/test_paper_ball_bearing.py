@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
 from cosimo.orchestrator.harness.analysis.recurrence import quantify
-from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, other_sets, transition
+from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, six_sets, transition
 
 
 def test_equations_written_out_give_the_component_s_motion():
@@ -84,11 +84,19 @@ def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
         lyapunov_spectrum(model(), transition.STATES, transition.SCALES, interval=1e-3, intervals=1, count=5)
 
 
-def test_other_sets_change_one_parameter_by_two():
-    assert len(other_sets.SETS) == 6
-    for name, given in other_sets.SETS.items():
-        ((what, value),) = given.items()
-        assert value == other_sets.SET[what] * (0.5 if name.startswith("half") else 2.0)
+def test_the_rule_of_sampling_is_a_natural_period_and_no_whole_part_of_a_passage():
+    for load in six_sets.LOADS:
+        interval = six_sets.NATURAL * six_sets.natural_time(load)
+        assert 1.0 < interval / (2.0 * math.pi * six_sets.natural_time(load)) < 1.4  # softer across the load
+        for speed in six_sets.SPEEDS:
+            parts = six_sets.passage(speed) / interval
+            assert abs(parts - round(parts)) > 0.05
+
+
+def test_the_orbit_beside_order_has_the_exponent_of_the_motion():
+    largest, size, product, _, _ = six_sets.kind_of(1000.0, 196.0, 5.0)
+    assert math.log(size) / six_sets.passage(1000.0) == pytest.approx(largest, abs=0.25)
+    assert product == pytest.approx(six_sets.contraction(1000.0), rel=1e-4)
 
 
 def test_a_load_of_a_set_is_that_of_the_equilibrium():
@@ -96,8 +104,6 @@ def test_a_load_of_a_set_is_that_of_the_equilibrium():
     scale = 2.0 ** (2.0 / 3.0)
     at = []
     for load, gap in ((196.0, 10e-6), (392.0, 10e-6 * scale)):
-        model = other_sets.BallBearing(["clearance"], {"clearance.radial_clearance": gap})
-        model.set("load", load)
-        model.initialize(0.0)
+        model = six_sets.bearing(1000.0, load, 1e6 * gap)
         at.append(model["displacement_x"])
     assert at[1] / at[0] == pytest.approx(scale, rel=1e-6)
