@@ -54,14 +54,14 @@ def measure(runs: Runs) -> Evidence:
             largest, sizes, products, determinism, divergence = (np.array(column) for column in zip(*kinds, strict=True))
             ordered, chaotic, known = largest < ORDER, largest > CHAOS, np.isfinite(sizes)
             rate = np.log(sizes) / passage(speed)
-            settled = ordered & known & (sizes < 1.0)
+            attracting = ordered & known & (sizes < 1.0)
             measured |= {
                 f"{name}.order": float(ordered.sum()),
                 f"{name}.chaos": float(chaotic.sum()),
                 f"{name}.orbits": float(known.sum()),
                 f"{name}.product": float(np.abs(products[known] / contraction(speed) - 1.0).max()),
                 f"{name}.unstable": float(sizes[chaotic & known].min(initial=math.inf)),
-                f"{name}.apart": float(np.abs(rate - largest)[settled].max() if settled.any() else math.inf),
+                f"{name}.apart": float(np.abs(rate - largest)[attracting].max() if attracting.any() else math.inf),
                 f"{name}.determinism": float(determinism[chaotic].mean() / determinism[ordered].mean()),
                 f"{name}.divergence": float(divergence[chaotic].mean() / divergence[ordered].mean()),
                 f"{name}.rank": float(spearmanr(largest, determinism).statistic),
