@@ -22,6 +22,7 @@ PAGES = {  # picture -> command, what it writes and where its page is, height in
 # picture -> scene, what is done in its page (selector, and what is chosen there; "" is a click), what of the page is shown
 IN_USE = {
     "explore": ("en50318-2002", (), ""),  # its beginning
+    "explore-slope": ("en50318-2002", (("[id='s-pantograph.static_force']", ""),), ""),
     "explore-minimum": ("en50318-2002", (("#figure", "actual minimum"), ("#scanned", "uplift force of the drive")), "#moves"),
     "explore-slackening": ("en50318-2002", (("#pin", ""), ("[id='e-catenary.dropper_slackening']", "")), "#answers"),
     "explore-step": ("en50318-2002", (), "#costs"),

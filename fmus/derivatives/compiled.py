@@ -69,18 +69,17 @@ def _aligned(size: int) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _object(text: str, width: int, ties: bool) -> bytes:
-    parts = (
-        text,
-        f"{width} {ties}",
-        sources_digest(__file__),
-        str(llvm.llvm_version_info),
-        llvm.get_host_cpu_name(),
-        _features(),
-    )
-    folder, name = private_folder("derivatives"), store.digest_of(*parts)
+    machine = llvm.get_host_cpu_name(), _features()
+    return kept_object(lambda: _compiled(derived(text, width, ties)), text, f"{width} {ties}", *machine)
+
+
+def kept_object(make: Callable[[], bytes], *parts: str) -> bytes:
+    """An object file of derivatives, from the user's cache where one of the same parts has been made there."""
+    folder = private_folder("derivatives")
+    name = store.digest_of(*parts, sources_digest(__file__), str(llvm.llvm_version_info))
     code = None if folder is None else store.read_kept(folder / f"{name}.o")
     if code is None:
-        code = _compiled(derived(text, width, ties))
+        code = make()
         if folder is not None:
             store.write_kept(folder / f"{name}.o", code)
     return code

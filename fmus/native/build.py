@@ -139,7 +139,10 @@ def assembled(
     digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), model_description)
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(held, variables, token)
-    binaries = {target: _linked(name, target, command, model, objects[target], sources) for target, command in compilers.items()}
+    binaries = {
+        target: linked(name, target, command, model, objects[target], ("native.c", *TARGETS[target].runtime, *sources))
+        for target, command in compilers.items()
+    }
     return Library(name, component, described, variables, token, model, objects, binaries, abilities, host)
 
 
@@ -212,13 +215,13 @@ def _compiler_version(target: str) -> str:
     return subprocess.run([command[0], "--version"], capture_output=True, text=True, check=False).stdout
 
 
-def _linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
+def linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
+    """The library of a model's tables, object files and sources of the runtime, by the command of a compiler for the target."""
     with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:
         objects = write_sources(Path(folder), model, codes)
         result = name + TARGETS[target].suffix
-        flags, runtime = TARGETS[target].flags, TARGETS[target].runtime
         done = subprocess.run(
-            [*command, *FLAGS, *flags, "native.c", *runtime, *sources, "model.c", *objects, "-o", result, "-lm"],
+            [*command, *FLAGS, *TARGETS[target].flags, *sources, "model.c", *objects, "-o", result, "-lm"],
             cwd=folder,
             capture_output=True,
             text=True,

@@ -27,6 +27,8 @@ from ...components.core.compiler import OPTIONS
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kept_kernels import check_result, kinds_of
+from ...components.core.kernel_sources import sources_digest
+from ..derivatives.compiled import kept_object
 from ..derivatives.grammar import functions
 from ..derivatives.tangents import ELSEWHERE, derivative_of, derived, entry_of
 from .kept_code import digest_of, load, save
@@ -376,6 +378,18 @@ def slopes_of(text: str) -> str:
     slopes = derived(str(module), 1, ties=False)
     name, entry = derivative_of("@model_outputs"), entry_of("@model_outputs")
     return slopes.replace(f"define  i32 {name}(", f"define internal i32 {name}(").replace(entry, "@model_slopes")
+
+
+def tangents_of(text: str, target: str, ties: bool = True) -> bytes:
+    """The object file of the derivatives of entries in one direction, for a target without a wide form; raises `Unsupported`.
+
+    It is kept, for those of a master are the same for all scenes. ties: as of `fmus.derivatives.tangents`.
+    """
+
+    def made() -> bytes:
+        return _object(derived(text, 1, ties), TARGETS[target])
+
+    return kept_object(made, text, f"1 {ties}", target, sources_digest(__file__))
 
 
 def _users(text: str, symbol: str, kernels: list[str]) -> str:

@@ -19,14 +19,13 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...fmus.derivatives.compiled import Arena
 from ...fmus.derivatives.grammar import Unsupported
-from ...fmus.native.instance import Places
 from ..engine.algorithms import Master
 from ..engine.algorithms.initial_kernels import SWEEPS
 from ..engine.algorithms.records import ABOUT_ZERO, GIVEN, STALLED, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..opened.open_scene import OpenScene
 from ..scene.scene import Scene
-from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
+from ..scene_fmu.layout import Layout, in_python, stepped_in_python
 from .tangent_code import compiled
 
 WIDTH = 8  # directions at once
@@ -96,7 +95,7 @@ class TangentBlock:
             self._code = compiled(layout, width)
         except Unsupported as error:
             raise BadInput(self._where, str(error), "instructions that have a derivative") from None
-        self._places = {name: cell for unit in layout.units for name, cell in self._places_of(unit).items()}
+        self._places = {n: c for unit in layout.units for n, c in unit.settable.items() if np.isfinite(self.initial[c])}
         self._initialize = self._code.entry("master_initialize_groups", 2)
         self._steps = self._code.entry("master_run_steps", 2)
         self.h = scene.master.step
@@ -130,18 +129,6 @@ class TangentBlock:
     def set(self, values: Mapping[str, float]) -> None:
         """Numbers of parameters and free inputs, which the scene starts with from now on."""
         self.initial[self.places(values)] = list(values.values())
-
-    def _places_of(self, unit: PlacedUnit) -> dict[str, int]:
-        """Parameters of a unit, "unit.parameter", and their cells in the block."""
-        component, places = unit.component, Places(unit.component)
-        driven = {link.target[1] for link in unit.node.links}
-        u = {name: places.u + k for k, name in enumerate(component.inputs) if name not in driven}
-        variables = type(component).variables
-        numbers = {n: cell for n, cell in places.settable.items() if isinstance(component.parameters[n], float)}
-        unused = component.unused(list(numbers))
-        known = {n: c for n, c in (numbers | u).items() if n not in unused and not variables[n].structural}
-        finite = np.isfinite(self.initial)
-        return {f"{unit.name}.{n}": unit.first + c for n, c in known.items() if finite[unit.first + c]}
 
     def _place_of(self, parameter: str) -> int:
         if parameter in self._places:

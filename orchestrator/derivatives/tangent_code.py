@@ -12,11 +12,16 @@ from ..scene_fmu.layout import Layout, PlacedUnit
 
 def compiled(layout: Layout, width: int) -> Compiled:
     """Of a block with such a layout, in `width` directions at once; raises `Unsupported`."""
-    master = [text for source in layout.sources if source.prefix == "master" for text in compile_apart(source)]
-    return Compiled(_texts(layout), width, without_ties=master)  # the master looks whether numbers stand; that is no kink
+    return Compiled(texts_of_units(layout), width, without_ties=texts_of_master(layout))
 
 
-def _texts(layout: Layout) -> Iterator[str]:
+def texts_of_master(layout: Layout) -> list[str]:
+    """What the master calls, in LLVM's language, for derivatives without ties: it looks whether numbers stand; that is no kink."""
+    return [text for source in layout.sources if source.prefix == "master" for text in compile_apart(source)]
+
+
+def texts_of_units(layout: Layout) -> Iterator[str]:
+    """What is called of units, in LLVM's language."""
     for number, source in enumerate(layout.sources):
         if source.prefix not in ("master", "figures"):
             begins = (_begin(k, unit, layout.cells) for k, unit in enumerate(layout.units) if unit.layout == number)

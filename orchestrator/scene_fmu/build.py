@@ -44,7 +44,7 @@ def _refusal(scene: Scene, actual: str) -> BadInput:
 
 
 @contextmanager
-def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
+def laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
     """Where everything of a scene lies, and its block before initialization; `BadInput` where something of it is no kernel."""
     refuse_what_needs_python(scene)
     shown = scene.coupling.shown.values()
@@ -62,7 +62,7 @@ def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
 
 def scene_block(scene: Scene) -> Model:
     """The block of a scene before initialization, with the tables that say what lies in it."""
-    with _laid_out(scene) as (_, model):
+    with laid_out(scene) as (_, model):
         return model
 
 
@@ -72,7 +72,7 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
     sources: further ones of the runtime.
     """
     compilers = {target: compiler(target) for target in targets}
-    with _laid_out(scene) as (layout, model):
+    with laid_out(scene) as (layout, model):
         variables = with_sizes(list(variables_of(scene, layout)))
         same = {"canHandleVariableCommunicationStepSize": "false"}  # whole multiples of the macro step alone
         return assembled(
@@ -84,7 +84,7 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
             compilers,
             abilities={2: same | {"canInterpolateInputs": "false"}, 3: same | {"fixedInternalStepSize": repr(scene.master.step)}},
             host=HOST,
-            sources=("scene.c", *sources),
+            sources=("scene.c", "begin.c", *sources),
         )
 
 

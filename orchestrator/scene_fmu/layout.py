@@ -62,6 +62,18 @@ class PlacedUnit:
         return [(places.u, places.u + self.component.u.size), (places.first_parameter, places.saved)]
 
     @property
+    def settable(self) -> dict[str, int]:
+        """Real parameters in use that are not structural, and inputs that nothing drives: "unit.name" -> cell in the block."""
+        component, places = self.component, Places(self.component)
+        driven = {link.target[1] for link in self.node.links}
+        inputs = {name: places.u + k for k, name in enumerate(component.inputs) if name not in driven}
+        variables = type(component).variables
+        numbers = {n: cell for n, cell in places.settable.items() if isinstance(component.parameters[n], float)}
+        unused = component.unused(list(numbers))
+        known = {n: c for n, c in (numbers | inputs).items() if n not in unused and not variables[n].structural}
+        return {f"{self.name}.{n}": self.first + c for n, c in known.items()}
+
+    @property
     def follows(self) -> list[tuple[int, int]]:
         """Ranges that follow from parameters alone; what is other than 0 in the first cell of the first says that they are there."""
         block, kept = self.component.block, type(self.component).kept

@@ -6,7 +6,7 @@ the block are placed when an instance begins (`Place`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import inf
 
@@ -71,11 +71,9 @@ def fault_changes(scene: Scene) -> Changes:
 
 def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
     """The block before initialization, and the tables of scene.c; changes: by faults."""
-    master, units, at = layout.master, layout.units, layout.at
-    block, memory = master.records.block, master.records.memory
-    memory.units["stop"] = np.inf  # the host says where it ends
+    units = layout.units
+    layout.master.records.memory.units["stop"] = np.inf  # the host says where it ends
     image, addresses = layout.image()
-    rows_of_addresses = ",\n".join(f"{{{cell}, {target}, {function or 0}}}" for cell, target, function in addresses)
     given: list[tuple[int, int]] = []
     multiple = f"a step of %.9g s, expected a whole multiple of {scene.master.step!r} s, the macro step of the scene"
     reasons: list[tuple[int, str, Sequence[int]]] = [
@@ -92,6 +90,25 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         given += [(unit.first + first, unit.first + end) for first, end in unit.left]
         for status, text, cells in reasons_of(component):
             reasons.append((PER_UNIT * (k + 1) + status, f"{unit.name}: {text}", [unit.first + cell for cell in cells]))
+    code = code_of(scene, layout, changes, addresses, _entries(units), _sample(layout))
+    return Model(image, reasons, given, image.size, untouched=STATUSES["not_a_multiple"], code=code)
+
+
+def code_of(
+    scene: Scene,
+    layout: Layout,
+    changes: Changes,
+    addresses: Iterable[tuple[int, int, str]],
+    entries: Iterable[str],
+    sample: Iterable[str],
+) -> str:
+    """The tables of scene.c, in C.
+
+    addresses: as of `Layout.image`.  entries: the functions among them.  sample: what happens behind each macro step.
+    """
+    master, at = layout.master, layout.at
+    block, memory = master.records.block, master.records.memory
+    places = [f"{{{cell}, {target}, {function or 0}}}" for cell, target, function in addresses]
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
     written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
@@ -104,7 +121,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         or [(nothing, 0)]
     ]
     numbers = {
-        "place_count": len(addresses),
+        "place_count": len(places),
         "change_count": len(changed),
         "time_count": len(times),
         "master": at,
@@ -115,11 +132,12 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         **{f"request_{name}": at + master.records.place("request", 0, name) for name in REQUEST},
     }
     statuses = STATUSES | {"per_unit": PER_UNIT}
-    code = "\n".join(
+    lines = ",\n".join(places)
+    return "\n".join(
         [
             '#include "scene.h"',
-            *_entries(units),
-            f"const Place scene_places[] = {{\n{rows_of_addresses}\n}};",
+            *entries,
+            f"const Place scene_places[] = {{\n{lines}\n}};",
             f"const uint32_t scene_times[] = {{{', '.join(map(str, times))}}};",
             *(f"const uint32_t scene_{name}[2] = {{{first}, {last}}};" for name, (first, last) in rows.items()),
             "const uint32_t " + ", ".join(f"scene_{name} = {value}" for name, value in numbers.items()) + ";",
@@ -130,10 +148,9 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
             f"const double scene_growth = {RUNAWAY!r};",
             f"const Change scene_changes[] = {{{', '.join(changed or ['{0, 0, 0}'])}}};",
             *_at_change(bool(changes)),
-            *_sample(layout),
+            *sample,
         ]
     )
-    return Model(image, reasons, given, image.size, untouched=STATUSES["not_a_multiple"], code=code)
 
 
 def _at_change(changes: bool) -> Iterator[str]:

@@ -15,12 +15,12 @@ EXPORT void live_cells(uint32_t count, const uint32_t *cells, const int64_t *val
     scene_changed = change;
 }
 
-/* Seconds of a macro step; numerator / denominator is the same number, 0 where no whole numbers are. Before initialization. */
-EXPORT void live_macro_step(double length, double numerator, double denominator) {
-    scene_length = length;
-    scene_numerator = (int64_t)numerator;
-    scene_denominator = (int64_t)denominator;
-}
+/* Before initialization. */
+EXPORT void live_macro_step(double length, double numerator, double denominator) { set_macro_step(length, numerator, denominator); }
+
+/* What a run with tangents starts from: the cells of an instance before initialization, and where a variable lies among them. */
+EXPORT const double *live_block(const Instance *m) { return m->block; }
+EXPORT uint32_t live_cell(uint32_t reference) { return model_variables[reference].cell; }
 
 static struct { size_t n; const uint32_t *references; uint32_t every, step; double *row; } pictures;
 /* For the next run: write n further outputs into rows, at its begin and after every so many steps; none for n = 0. */

@@ -47,7 +47,6 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
     return 0;
 }
 
-double rounding_at(double t) { return 4.0 * (nextafter(fabs(t), INFINITY) - fabs(t)); } /* four units in the last place */
 
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 

@@ -1,6 +1,7 @@
 /* What a native FMU consists of: the tables of one model, and the runtime that every model shares. */
 #ifndef NATIVE_H
 #define NATIVE_H
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -90,6 +91,7 @@ int free_state(Instance *m, void **state);
 int state_size(Instance *m, const void *state, size_t *size);
 int serialize(Instance *m, const void *state, void *bytes, size_t size);
 int deserialize(Instance *m, const void *bytes, size_t size, void **state);
-double rounding_at(double t); /* by how much a time may be off: masters form steps as differences of times */
+/* By how much a time may be off, four units in the last place: masters form steps as differences of times. */
+static inline double rounding_at(double t) { return 4.0 * (nextafter(fabs(t), INFINITY) - fabs(t)); }
 int refuse(const Instance *m, const char *call); /* a function that this kind of FMU does not offer */
 #endif

@@ -38,4 +38,10 @@ int32_t master_initialize_groups(double t, double h, int64_t block);
 void scene_sample(double t, int64_t *cells); /* at the start and behind each macro step */
 
 int32_t scene_begin(double t, void *block, const Unit *unit);
+/* Seconds of a macro step, which an FMU has fixed; numerator / denominator is the same number, 0 where no whole numbers are. */
+static inline void set_macro_step(double length, double numerator, double denominator) {
+    scene_length = length;
+    scene_numerator = (int64_t)numerator;
+    scene_denominator = (int64_t)denominator;
+}
 #endif

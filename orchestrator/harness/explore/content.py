@@ -12,9 +12,12 @@ from ....components.core.errors import BadInput, nearest, pick
 from ....components.core.measure import number_in
 from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
+from ...derivatives.along import AGREE, ALONG
+from ...derivatives.gradient import BESIDE, CLOSE, COUNTS, SAID
 from ...run.comparison import SURE, UNSURE
 from ...run.run import run
 from ...run.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
+from ...scene.names import numerical_of
 from ...scene.scene import Scene
 from ...scene.shorter_steps import refined
 from ...scene_fmu import refuse_what_needs_python
@@ -59,14 +62,17 @@ ERROR = {  # by which the page tells the error of a number
     "nothing": NOTHING,
     "no_matter": NO_MATTER,
 }
+# by which the page tells whether a derivative holds
+SLOPE = {"along": ALONG, "agree": AGREE, "beside": BESIDE, "close": CLOSE, "said": SAID, "counts": COUNTS}
 
 
 @dataclass(frozen=True)
 class Content:
-    """The data of a page, and the modules by the number of their variant."""
+    """The data of a page, and by the number of their variant the modules, and those of their derivatives, empty where there are none."""
 
     data: Mapping[str, Any]
     modules: Sequence[bytes]
+    tangents: Sequence[bytes]
 
 
 def content_of(
@@ -134,8 +140,17 @@ def content_of(
         "settings": {key: value for key, value in scene.settings().items() if key != "explore"},
         "error": ERROR,
         "standings": STANDINGS,
+        "slope": SLOPE | {"refused": _refused(scene, built[0], names)},
     }
-    return Content(data, [v.library.binaries["wasm32"] for v in built])
+    return Content(data, [v.library.binaries["wasm32"] for v in built], [v.tangents for v in built])
+
+
+def _refused(scene: Scene, variant: Variant, names: Sequence[str]) -> dict[str, str]:
+    """The parameters that no derivative is taken by, with the reason."""
+    if variant.refused:
+        return dict.fromkeys(names, variant.refused)
+    unknown = {name: "not a real parameter in use" for name in names if name not in variant.known}
+    return unknown | numerical_of(scene, names)
 
 
 def _rows(

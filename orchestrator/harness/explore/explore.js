@@ -33,6 +33,7 @@ function refusal(p, value) { // why a text is no value of a parameter; "" for on
 function knob(p) {
   const id = `p-${p.name}`, box = element("div", { className: "knob" });
   const label = element("label", { htmlFor: id }, `${p.text} `, element("small", {}, `${p.name}${scaleOf(p).unit && `, ${scaleOf(p).unit}`}`));
+  const asks = slopeButton(p);
   const slider = element("input", { type: "range", min: p.from, max: p.to, step: "any", value: p.value });
   slider.setAttribute("aria-label", `${p.text}, slider${unitText(scaleOf(p).unit)}`);
   const field = element("input", { type: "text", inputMode: "decimal", id, value: readable(p, p.value), autocomplete: "off" });
@@ -62,7 +63,8 @@ function knob(p) {
   });
   field.addEventListener("input", () => take(field.value, false));
   field.addEventListener("change", () => take(field.value, true));
-  box.append(label, slider, field, wrong);
+  [slider, field].forEach((one) => one.addEventListener("focus", () => slopeFollows(p.name)));
+  box.append(label, asks, slider, field, wrong);
   p.show = (keep) => {
     const value = state.values[p.name] ?? p.value, there = available(p.name);
     box.classList.toggle("changed", p.name in state.values);
@@ -71,6 +73,7 @@ function knob(p) {
     slider.value = value;
     if (keep !== field) { field.value = readable(p, value); field.setAttribute("aria-invalid", "false"); wrong.hidden = true; }
     slider.disabled = field.disabled = !there;
+    asks.hidden = !there;
   };
   return box;
 }
@@ -143,6 +146,7 @@ function startWorker() {
   worker.onmessage = ({ data: message }) => { if (message.id === question) answers[message.kind](message); };
   worker.onerror = (event) => tell(`The computation could not be started: ${event.message}.`);
   worker.postMessage({ data: { ...data, usual: Object.fromEntries(data.parameters.map((p) => [p.name, p.value])), sliders: data.first.map((n) => ({ name: n, from: parameters[n].from, to: parameters[n].to })), parameters: undefined, layouts: undefined, settings: undefined }, modules: sources });
+  if (slopeSources) worker.postMessage({ tangents: slopeSources });
 }
 function change(next, settled, keep) {
   state = next;
@@ -169,7 +173,7 @@ function ask() {
   }, patience);
   send();
 }
-function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation, over: byId("scanned").value }); }
+function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation, over: byId("scanned").value, slope: dragged ? "" : slopeBy }); }
 const tell = (sentence) => { byId("sentence").hidden = !sentence; byId("sentence").textContent = sentence; };
 function none(sentence) { // no numbers of this state: those of the last one stay, in grey
   clearTimeout(waiting);
@@ -220,6 +224,12 @@ const answers = {
     if (answer.place % 4 === 0 || answer.place === answer.count - 1) draw("scan");
     if (answer.place === answer.count - 1) byId("results").dataset.scanned = question;
   },
+  slope(answer) {
+    slope = { ...answer, run: shown, beside: besides(state, answer.name) };
+    showNumbers();
+    draw("curve1", "curve2");
+    byId("results").dataset.sloped = question;
+  },
   refused({ text: what }) { none(`This state does not start: ${what.replace(/^at t = [^:]*: /, "")}`); },
   error({ text: what }) { none(`The computation failed: ${what}`); },
 };
@@ -250,6 +260,7 @@ function showNumbers() {
       const before = pinned.run.numbers[f.name], [was, change] = [before, now - before].map((v) => quantity(v, f, 0, now).number);
       value.append(element("small", {}, `pinned ${digits(was, 5)}, change ${digits(change, 3)}`));
     }
+    value.append(...slopeText(f).map((line) => element("small", { className: "slope" }, line)));
     return element("div", {}, element("dt", {}, f.text), value);
   }));
   showRanges();
@@ -395,6 +406,8 @@ function drawCurve(k) {
   const smooth = parts(shown);
   traces.push(line(shown, shown.columns[name], smooth.length ? "unfiltered" : "this state", smooth.length ? colours.raw : colours.line));
   smooth.forEach(([key, y]) => traces.push(line(shown, y, key.slice(name.length + 1), colours.line, { width: 2 })));
+  const predicted = over ? null : predictedCurve(name);
+  if (predicted) traces.unshift({ ...line(predicted.run, predicted.y, predicted.title, colours.predicted, { width: 3 }), opacity: 0.6 });
   const layout = structuredClone(data.layouts.curve);
   const scaled = (axis, signal) => { // its numbers and its label in a unit for a reader
     const { unit, factor } = shownAs(of(signal), traces.reduce((most, trace) => trace[axis].reduce((m, v) => Math.max(m, Math.abs(v) || 0), most), 0));

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, nearest
 from ....fmus.native.build import Library
+from ...derivatives.tangent_module import tangent_module
 from ...run.run import run
 from ...scene.scene import Scene
 from ...scene_fmu import scene_block, scene_library
@@ -27,12 +28,16 @@ class Variant:
     """The scene with some of the offered effects on, and one of the offered algorithms.
 
     extrapolations: by degree, what it changes in the block: (cell, lower and upper 32 bits).
+    tangents: the module of its derivatives, empty where it has none, and `known`, what they can be taken by; refused: why there are none.
     """
 
     effects: Mapping[str, bool]
     algorithm: str
     library: Library
     extrapolations: Mapping[int, Sequence[tuple[int, int, int]]]
+    tangents: bytes
+    known: Collection[str]
+    refused: str
 
 
 def switches(scene: Scene, wanted: Sequence[str] | None, say: Callable[[str], None]) -> list[str]:
@@ -92,7 +97,16 @@ def variants(scene: Scene, effects: Sequence[str], wanted: Sequence[str] | None,
             changes["master.algorithm"] = algorithm
         changed = scene.with_changes(changes) if changes else scene
         library = scene_library(changed, ["wasm32"], ("live.c",))
-        yield Variant(dict(zip(effects, states, strict=True)), algorithm, library, _extrapolations(changed))
+        states_of = dict(zip(effects, states, strict=True))
+        yield Variant(states_of, algorithm, library, _extrapolations(changed), *_tangents(changed))
+
+
+def _tangents(scene: Scene) -> tuple[bytes, Collection[str], str]:
+    """The module of a scene's derivatives, what they can be taken by, and why there are none."""
+    try:
+        return (*tangent_module(scene, "wasm32"), "")
+    except BadInput as error:
+        return b"", (), str(error)
 
 
 def _extrapolations(scene: Scene) -> dict[int, list[tuple[int, int, int]]]:

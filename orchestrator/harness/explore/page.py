@@ -13,11 +13,11 @@ from ....components.core.errors import visible_in_page
 from ....components.core.store import replaced
 from ...output import ensure_directory
 from ...scene.scene import Scene
-from ..charts.style import BLUE, DARK, MUTED, RAW, VERMILION, axis, layout
+from ..charts.style import BLUE, DARK, MUTED, ORANGE, RAW, VERMILION, axis, layout
 from ..report.page import as_json, asset, compressed, compressed_plotly
 from .content import content_of
 
-SCRIPTS = ("words", "state", "kinematics", "explore")
+SCRIPTS = ("words", "state", "kinematics", "slopes", "explore")
 
 
 def explore_page(
@@ -37,7 +37,7 @@ def explore_page(
     library: where the page finds Plotly; without it Plotly is in the page.
     """
     content = content_of(scene, knowledge, moves=moves, parameters=parameters, effects=effects, jobs=jobs, say=say)
-    colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION}
+    colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION, "predicted": ORANGE}
     plain: dict[str, Any] = {
         "height": 300,
         "showlegend": True,
@@ -59,10 +59,9 @@ def explore_page(
         css=asset("page.css") + _asset("explore.css"),
         dark=DARK,
         modules=[compressed(module) for module in content.modules],
-        worker=_asset("analysis.js") + _asset("worker.js"),
-        script=asset("shared.js")
-        + asset("motion.js")
-        + "".join(_asset(f"{name}.js") for name in ("words", "state", "kinematics", "explore")),
+        tangents=[compressed(module) if module else "" for module in content.tangents],
+        worker=_asset("analysis.js") + _asset("tangents.js") + _asset("worker.js"),
+        script=asset("shared.js") + asset("motion.js") + "".join(_asset(f"{name}.js") for name in SCRIPTS),
         library=library,
         plotly="" if library else compressed_plotly(),
     )

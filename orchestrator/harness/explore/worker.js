@@ -1,7 +1,7 @@
 // Computes runs: the latest wish wins, between pieces of a run the worker looks whether there is a newer one.
 const PIECE = 20, BEHIND = 5; // ms of a run that a wish waits for, and of one behind it, between two looks for a newer wish
 const GROWN = 3; // times the deviation of a signal with the shortest step: the coupling adds energy that is not there
-let data, modules, wish = null, busy = false;
+let data, modules, tangentModules, wish = null, busy = false;
 const instances = [];
 const channel = new MessageChannel();
 let resume = null;
@@ -10,6 +10,7 @@ const breathe = () => new Promise((done) => { resume = done; channel.port2.postM
 
 onmessage = ({ data: message }) => {
   if (message.modules) { ({ data, modules } = message); return; }
+  if (message.tangents) { tangentModules = message.tangents; return; }
   wish = message;
   if (!busy) serve();
 };
@@ -57,47 +58,61 @@ function picturesOf({ x, elements, seen }, count, wanted) {
   return { every, rows, columns };
 }
 
-// A run of whole steps. `newer` says whether to give up; returns null then.
-async function run({ variant, values, extrapolation }, length, exact, newer, progress) { // exact: the length as whole numbers
-  const of = instanceOf(variant), { x, said, put } = of, n = of.names.length, count = Math.round(data.stop / length);
+// An instance before initialization, with its parameters set; 0 where it refuses them. exact: the macro step as whole numbers.
+function made(of, { values, extrapolation }, length, exact) {
+  const { x, said, put } = of, { count: cells, cells: at, values: to } = of.changes[extrapolation];
   said.length = 0;
   x.live_macro_step(length, exact[0], exact[1]);
-  const { count: cells, cells: at, values: to } = of.changes[extrapolation];
   x.live_cells(cells, at, to);
-  const began = performance.now();
   const unit = x.fmi3InstantiateCoSimulation(of.unit, of.token, 0, 0, 0, 0, 0, 0, 0, 0, x.host_logger(), 0);
   const names = Object.keys(values).filter((name) => name in of.parameters);
   const references = put(Uint32Array.from(names, (name) => of.parameters[name]));
   const numbers = put(Float64Array.from(names, (name) => values[name]));
-  const rows = x.malloc(8 * n * (count + 1)), pictures = picturesOf(of, count, progress);
-  let failed = !unit || !rows || x.fmi3SetFloat64(unit, references, names.length, numbers, names.length) > 1;
-  failed ||= x.fmi3EnterInitializationMode(unit, 0, 0, 0, 0, 0) > 1 || x.fmi3ExitInitializationMode(unit) > 1;
-  const most = progress ? PIECE : BEHIND;
-  let done = 0, piece = 50, spent = performance.now() - began, gone = false;
-  while (!failed && done < count) {
-    const from = performance.now(), wanted = Math.min(piece, count - done);
-    const taken = x.live_run(unit, done * length, wanted, of.outputs, n, rows + 8 * n * done);
-    const took = performance.now() - from;
-    done += taken; spent += took; failed = taken < wanted;
+  const taken = unit && x.fmi3SetFloat64(unit, references, names.length, numbers, names.length) <= 1;
+  [references, numbers].forEach((place) => x.free(place));
+  if (unit && !taken) x.fmi3FreeInstance(unit);
+  return taken ? unit : 0;
+}
+// Steps in pieces, until one fails or there is a newer wish. take: so many steps behind those done; returns how many were taken.
+async function inPieces(count, most, newer, take, progress) {
+  let done = 0, piece = 50, spent = 0, gone = false;
+  while (done < count) {
+    const from = performance.now(), wanted = Math.min(piece, count - done), taken = take(done, wanted), took = performance.now() - from;
+    done += taken; spent += took;
+    if (taken < wanted) break;
     piece = Math.max(1, Math.min(4 * piece, Math.round((piece * most) / Math.max(took, 0.1))));
-    if (done < count && !failed) {
+    if (done < count) {
       await breathe();
       if ((gone = newer())) break;
-      progress?.(done * length);
+      progress?.(done);
     }
   }
-  const kept = gone || !rows || (failed && !done) ? 0 : done + 1, columns = {};
-  const table = new Float64Array(x.memory.buffer, rows, n * kept); // of the module, until it is freed below
-  of.names.forEach((name, c) => {
+  return { done, spent, gone };
+}
+function columnsOf(x, rows, names, kept) { // of a table in the memory of a module, until it is freed
+  const columns = {}, n = names.length, table = new Float64Array(x.memory.buffer, rows, n * kept);
+  names.forEach((name, c) => {
     const column = (columns[name] = new Float64Array(kept));
     for (let k = 0, at = c; k < kept; k++, at += n) column[k] = table[at];
   });
+  return columns;
+}
+
+// A run of whole steps. `newer` says whether to give up; returns null then.
+async function run(job, length, exact, newer, progress) {
+  const of = instanceOf(job.variant), { x, said } = of, n = of.names.length, count = Math.round(data.stop / length);
+  const began = performance.now(), unit = made(of, job, length, exact);
+  const rows = x.malloc(8 * n * (count + 1)), pictures = picturesOf(of, count, progress);
+  const starts = unit && rows && x.fmi3EnterInitializationMode(unit, 0, 0, 0, 0, 0) <= 1 && x.fmi3ExitInitializationMode(unit) <= 1;
+  const started = performance.now() - began, take = (done, wanted) => x.live_run(unit, done * length, wanted, of.outputs, n, rows + 8 * n * done);
+  const { done, spent, gone } = await inPieces(starts ? count : 0, progress ? PIECE : BEHIND, newer, take, progress && ((steps) => progress(steps * length)));
+  const kept = gone || !starts || !done ? 0 : done + 1, columns = columnsOf(x, rows, of.names, kept);
   const taken = { every: pictures.every, columns: kept ? pictures.columns(kept) : {} };
-  [references, numbers, rows, pictures.rows].forEach((at) => x.free(at));
+  [rows, pictures.rows].forEach((at) => x.free(at));
   if (unit) x.fmi3FreeInstance(unit);
   if (gone || !rows) return null;
-  const whole = !failed && kept === count + 1;
-  return { step: length, count: kept, columns, pictures: taken, whole, spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
+  const whole = kept === count + 1;
+  return { step: length, count: kept, columns, pictures: taken, whole, spent: started + spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
 }
 
 function everySecond(run, from) { // rows from, from + 2, from + 4 ... of a whole run
@@ -171,6 +186,11 @@ async function answer(job, newer) {
   if (job.quick) return;
   await breathe();
   if (newer() || !first.whole) return first.whole ? undefined : ladder(job, newer);
+  if (job.slope) {
+    const slope = await slopeOf(job, { ...first, numbers, filters, valueOf: valuesOf(job) }, length, exact, newer);
+    if (!slope) return;
+    postMessage({ id: job.id, kind: "slope", ...slope });
+  }
   const second = await run(shorter(job, 2), 0.5 * length, half, newer);
   if (!second) return;
   const valueOf = valuesOf(job), numbersOf = (rows, by) => figuresOf(data.figures, { ...rows, filters: by, valueOf }).numbers;

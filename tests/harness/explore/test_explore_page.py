@@ -4,19 +4,22 @@ import gzip
 import json
 import random
 import re
+import subprocess
 import tomllib
 from base64 import b64decode
-from math import isfinite
+from math import isfinite, nan
+from pathlib import Path
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.derivatives.gradient import gradient
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, quantities_of
 from cosimo.orchestrator.harness.summary import with_error
 from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import explore_page, load_scene, read_scene
 from cosimo.tests.commands import exit_code
-from cosimo.tests.fmus.native.web_assembly import needs_node
+from cosimo.tests.fmus.native.web_assembly import NODE, needs_node
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
 pytestmark = needs_node
@@ -85,6 +88,82 @@ def test_numbers_are_those_of_a_run_in_process(small, opened):
         expected = {q.name: q.value(history) for q in quantities_of(scene) if q.kind != "time history"}
         assert expected
         assert {name: page_numbers[name] for name in expected} == pytest.approx(expected, rel=1e-12)
+
+
+def slopes(page, folder, *jobs):
+    """What the page's own worker answers under Node: of each job the derivatives of all figures, and why there are none."""
+    job, result = folder / "job.json", folder / "answers.json"
+    job.write_text(json.dumps({"jobs": jobs, "result": str(result)}))
+    host = str(Path(__file__).with_name("worker_host.mjs"))
+    done = subprocess.run([NODE, host, str(page), str(job)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    answers = json.loads(result.read_text())
+    assert [answer["kind"] for answer in answers] == ["slope"] * len(jobs), answers
+    return [answer["figures"] for answer in answers]
+
+
+def like_gradient(figures, slopes, rel=1e-9, errors=0.0):
+    """Whether the figures of an answer have the derivatives that the command gives, to one side or both, and none where that has none."""
+    for expected in slopes:
+        here = figures[expected.figure]
+        number = here["derivative"] if here["derivative"] is not None else nan
+        tolerance = max(1e-12, errors * expected.error)
+        assert number == pytest.approx(expected.derivative, rel=rel, abs=tolerance, nan_ok=True), (expected, here)
+        assert here["how"] == expected.how.partition(", ")[2]
+        assert (here["why"] == "") == isfinite(expected.derivative)
+
+
+def test_slopes_are_those_of_the_command(small, tmp_path):
+    """By a mass; by a place at which a decision stands at its boundary; by what sets the error alone there is none."""
+    state = {"spring.stiffness": 333.0, "mass.mass": 2.5}
+    names = ["mass.mass", "mass.start_x", "mass.substep"]
+    *answers, refused = slopes(small, tmp_path, *({"slope": name, "values": state} for name in names))
+    scene = load_scene("mass-on-spring").with_changes(state | {"record.interval": None})
+    quantities = [q for q in quantities_of(scene) if q.kind != "time history"]
+
+    def own(r):
+        return {q.name: (q.value(TimeHistory(r.time, r.columns)), q.unit) for q in quantities}
+
+    expected = gradient(scene, own, names, halved=False)
+    assert len(expected.slopes) == 2
+    for name, figures in zip(names, answers, strict=False):
+        like_gradient(figures, [s for s in expected.slopes if s.parameter == name])
+    assert {figure["why"] for figure in refused.values()} == set(expected.refused.values())
+    assert {figure["derivative"] for figure in refused.values()} == {None}
+
+
+@pytest.mark.full
+def test_slopes_of_a_line_whose_droppers_stand_at_their_boundary(railway, tmp_path):
+    """By the force, exact; by a tension upwards alone, for droppers at rest slacken when it falls."""
+    scene = load_scene("en50318-2002").with_changes(
+        {"record.snapshots": (), "record.snapshot_interval": None, "record.interval": None}
+    )
+    names = ["pantograph.static_force", "catenary.contact_wire_tension"]
+    expected = gradient(scene, None, names, halved=False).slopes
+    for name, figures in zip(names, slopes(railway, tmp_path, *({"slope": name} for name in names)), strict=True):
+        like_gradient(figures, [s for s in expected if s.parameter == name and s.figure in figures], errors=2.0)
+
+
+@pytest.mark.full
+def test_a_slope_is_asked_for_by_a_button_and_seen_beside_the_next_runs(small, opened):
+    page = opened(small)
+    assert page.evaluate("slopeSources") is None
+    assert page.locator("[id='s-mass.mass']").get_attribute("aria-pressed") == "false"
+    page.locator("[id='s-mass.mass']").click()
+    sloped = "Number(document.getElementById('results').dataset.sloped) === question"
+    page.wait_for_function(sloped, timeout=WAIT)
+    force = json.dumps("spring.second_force_x, maximum")
+    slope, was = page.evaluate(f"[slope.figures[{force}].derivative, shown.numbers[{force}]]")
+    assert f"slope +{slope:.3g} N per kg; 1 % moves it +{slope / was:.2g} %" in page.inner_text("#numbers")
+    page.locator("#curve1 .main-svg").first.wait_for(timeout=WAIT)
+    assert "by the slope, +0.1 kg" in page.inner_text("#curve1")
+    page.evaluate("change({ ...state, values: { 'mass.mass': 1.05 } }, false, true)")  # as a slider that is dragged
+    page.wait_for_function(f"shown.numbers[{force}] !== {was}", timeout=WAIT)
+    assert f"by the slope {was + 0.05 * slope:.5g} N" in page.inner_text("#numbers")
+    assert page.evaluate(f"shown.numbers[{force}]") == pytest.approx(was + 0.05 * slope, rel=2e-3)
+    page.locator("[id='p-spring.stiffness']").focus()
+    page.wait_for_function(f"slope.name === 'spring.stiffness' && {sloped}", timeout=WAIT)
+    assert page.locator("[id='s-mass.mass']").get_attribute("aria-pressed") == "false"
 
 
 @pytest.mark.full

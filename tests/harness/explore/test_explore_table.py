@@ -20,6 +20,7 @@ def no_modules(monkeypatch):
 
     compiled = modules.scene_library(load_scene("mass-on-spring"), ["wasm32"], ("live.c",))
     monkeypatch.setattr(modules, "scene_library", lambda *given: compiled)
+    monkeypatch.setattr(modules, "tangent_module", lambda *given: (b"", {}))
 
 
 @needs_node
