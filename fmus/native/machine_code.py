@@ -385,11 +385,8 @@ def tangents_of(text: str, target: str, ties: bool = True) -> bytes:
 
     It is kept, for those of a master are the same for all scenes. ties: as of `fmus.derivatives.tangents`.
     """
-
-    def made() -> bytes:
-        return _object(derived(text, 1, ties), TARGETS[target])
-
-    return kept_object(made, text, f"1 {ties}", target, sources_digest(__file__))
+    parts = text, f"1 {ties}", target, sources_digest(__file__)
+    return kept_object(lambda: _object(derived(text, 1, ties), TARGETS[target]), *parts)
 
 
 def _users(text: str, symbol: str, kernels: list[str]) -> str:
