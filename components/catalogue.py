@@ -35,6 +35,7 @@ CATALOGUE = {
     "WaterCurrent": "rov.current",
     "RovController": "rov.controller",
     "Tether": "rov.tether",
+    "RovSensors": "rov.sensors",
     "WindTurbine": "wind_pump.turbine",
     "Wind": "wind_pump.wind",
     "FixedTransmission": "wind_pump.fixed",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
-from ..core.kernels import DONE, OWN, kernel
+from ..core.kernels import DONE, OWN, in_python, kernel
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.sampled import SampledComponent, is_zero_behind, rows_in_use, sampled_kernels
 from ..core.variables import input_, output, parameter
@@ -21,6 +21,8 @@ POSES = 8
 TIME_FALLS = OWN + 4  # status
 POSITIONS, DIRECTIONS = (columns(table) for table in y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
+NAVIGATION = ("position_north", "position_east", "depth", "quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z",
+              "surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")  # fmt: skip
 # the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale; then the
 # commands of further thrusters
 COMMANDS, INTEGRALS, ERRORS, SCALE, STATES = 1, 7, 13, 19, 20
@@ -93,20 +95,9 @@ class RovController(SampledComponent):
     work_shape = (6, POSES)
     default_step = 0.02
     default_stop = 10.0
+    ports = {"navigation": NAVIGATION}
     start_inputs = (  # sampled at the start
-        "position_north",
-        "position_east",
-        "depth",
-        "quaternion_w",
-        "quaternion_x",
-        "quaternion_y",
-        "quaternion_z",
-        "surge",
-        "sway",
-        "heave",
-        "roll_rate",
-        "pitch_rate",
-        "yaw_rate",
+        *NAVIGATION,
         "available",
         "further_thrusters.available",
     )
@@ -225,6 +216,14 @@ class RovController(SampledComponent):
             "refused": 4,
             "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None,
         }
+
+    def set_points(self, times: np.ndarray) -> np.ndarray:
+        """Wanted pose at some times, (n, 6): north, east, depth in m, roll, pitch, yaw in rad."""
+        (p, e), poses, rate = self._parameters(), np.zeros((len(times), 6)), np.zeros(6)
+        rows = [0 if e.manoeuvre is None else in_python(rows_in_use)(e.manoeuvre.time)]
+        for t, pose in zip(times, poses, strict=True):
+            in_python(wanted)(t, p, e.manoeuvre, rows, pose, rate)
+        return poses
 
 
 IN = RovController.input_places()

@@ -342,6 +342,29 @@ HARD_CASES = {
         ),
         **_falling_curves("inverse_curve"),
     },
+    "RovSensors": {
+        "sensors that are lost nearly always": HardCase(
+            "The first sample of each arrives, and holds: no value is made up.",
+            (AtMost(lambda c: abs(c["measured_depth"] - 5.0), 0.0, "what was never measured, m"),),
+            effects=("dropout",),
+            parameters={"dropout.depth": 0.99, "dropout.depth_length": 99.0},
+            inputs={"depth": jumps(5.0, (0.02, 50.0))},
+            run=(0.4, 0.02),
+        ),
+        "an attitude error of many turns": HardCase(
+            "Noise of 100 rad: the quaternion keeps its length.",
+            (Invariant(lambda c: math.sqrt(sum(c[f"measured_{n}"] ** 2 for n in QUATERNION)), 1e-15, "length", value=1.0),),
+            effects=("noise",),
+            parameters={"noise.attitude": 100.0},
+            run=(2.0, 0.02),
+        ),
+        "bursts that no chain has": HardCase(
+            "Three of five samples lost, and no two in a row.",
+            Refused("Lengthen the bursts", accepted={"dropout.imu_length": 2.0}),
+            effects=("dropout",),
+            parameters={"dropout.imu": 0.6},
+        ),
+    },
     "Tether": {
         "slack, taut and slack": HardCase(
             "Pulled beyond its length and back within seconds: it never pushes.",

@@ -8,6 +8,7 @@ from typing import Any
 from ..core.component import Effect
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.kernels import DONE, OWN, kernel
+from ..core.random_numbers import normal_number
 from ..core.variables import SEED, integer, output, parameter
 
 DAY = 86400.0  # s
@@ -108,31 +109,6 @@ class Wind(KernelComponent):
 
 
 OUT = Wind.output_places()
-
-
-# -- random numbers by count instead of by history: number k of a seed is the same whenever it is asked for --------------
-MASK = (1 << 31) - 1
-
-
-@kernel
-def mixed(a):
-    """A whole number below 2^31 from another: Lehmer's multiplier and two folds, all within 62 bits."""
-    for _ in range(3):
-        a = (a ^ (a >> 15)) & MASK
-        a = (a * 0x2C1B3C6D) & MASK
-        a = a ^ (a >> 12)
-        a = (a * 0x297A2D39) & MASK
-    return a ^ (a >> 15)
-
-
-@kernel
-def normal_number(seed, k):
-    """Number k of the standard normal distribution for a seed, by Box and Muller; k: whole, also as a float."""
-    place = int(k)
-    key = mixed(mixed((seed + 0x1B873593) & MASK) ^ (place & MASK)) ^ (place >> 31)
-    first, second = mixed((2 * key) & MASK), mixed((2 * key + 1) & MASK)
-    radius = math.sqrt(-2.0 * math.log((first + 1.0) / (MASK + 1.0)))
-    return radius * math.cos(2.0 * math.pi * second / (MASK + 1.0))
 
 
 @kernel

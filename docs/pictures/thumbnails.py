@@ -57,6 +57,7 @@ SHOWN = {  # scene -> beginning of the title of the figure that it is there for;
     "pipe-robots-in-tow": "In detail",
     "rov-added-mass": "Motion",
     "rov-manoeuvre": "Track",
+    "rov-sensors": "Track",
     "rov-station-keeping": "Errors",
     "rov-thruster-failed": "Thrusts",
     "rov-tumbling": "Drift",

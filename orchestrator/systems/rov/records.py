@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from ....components.rov.controller import RovController
 from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
@@ -80,12 +82,31 @@ def _vehicle(unit: RecordedUnit) -> Vehicle:
     thrusters = {k: thruster for k, name in enumerate(THRUSTS, 1) if (thruster := unit.driven_by(name))}
     commands = {k: thruster["command"] for k, thruster in thrusters.items() if thruster.column("command")}
     controller = next((c for thruster in thrusters.values() if (c := thruster.driven_by("command"))), None)
-    errors, scale = (controller.recorded(ERRORS), controller.optional("scale")) if controller else ({}, None)
+    scale = controller.optional("scale") if controller else None
+    errors = _errors(unit, controller) if controller else {}
     water = unit.recorded({axis: f"current.velocity_{axis}" for axis in WATER})
     position, quaternion = np.array(list(unit.recorded(POSITION).values())), unit.recorded(QUATERNION)
     axes = axes_of(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
     constants = {} if axes is None else _constants(unit, position, axes, signals)
     return Vehicle(unit.name, unit.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
+
+
+def _errors(unit: RecordedUnit, controller: RecordedUnit) -> dict[str, np.ndarray]:
+    """Wanted pose less that of the vehicle, by name: as the controller tells it, unless sensors stand between the two.
+
+    Then from its set points and the vehicle's own pose; none where the controller is not known or the pose was not recorded.
+    """
+    sources = [controller.source(name) for name in (*POSITION, *QUATERNION)]
+    if all(not source or source.startswith(f"{unit.name}.") for source in sources):
+        return controller.recorded(ERRORS)
+    component, true = controller.component, unit.recorded((*POSITION, *QUATERNION))
+    if not isinstance(component, RovController) or len(true) < 7:
+        return {}
+    wanted = component.set_points(unit.time)
+    errors = {e: wanted[:, j] - true[n] for j, (e, n) in enumerate(zip(ERRORS, POSITION, strict=False))}
+    attitude = Rotation.from_quat(np.array([true[f"quaternion_{a}"] for a in "xyzw"]).T)
+    turn = (attitude.inv() * Rotation.from_euler("ZYX", wanted[:, :2:-1])).as_rotvec().T
+    return errors | dict(zip(ERRORS[3:], turn, strict=True))
 
 
 def _arrived(unit: RecordedUnit, input_: str) -> np.ndarray:

@@ -14,6 +14,11 @@ def each_alone(effect: str, value: float) -> dict[str, tuple[dict[str, float], f
     return {name: ({k: v for k, v in none.items() if k != name}, value) for name in none}
 
 
+SENSED = ("usbl", "depth", "dvl", "rate", "attitude")
+ERRORS = {
+    "noise": [f"noise.{axis}" for axis in SENSED],
+    "bias": [f"bias.{axis}{walk}" for axis in SENSED for walk in ("", "_walk")],
+}
 FACTS: dict[str, Facts] = {
     "RovHull": Facts(
         moving=frozenset({"*"}),  # no published vehicle is neutral: it rises or sinks from the start
@@ -94,6 +99,18 @@ FACTS: dict[str, Facts] = {
         strengths={f"manoeuvre.{way}[2]": ({"manoeuvre.time[2]": 2.0}, 1e-4) for way in WAYS},
         structural=frozenset({"inverse_curve", "further_thrusters"}),
         form=frozenset({"manoeuvre.time"}),
+    ),
+    "RovSensors": Facts(
+        plain=(("noise", "bias", "dropout"), {"period": 2e-3, "usbl_every": 5, "dvl_every": 2}, 20),
+        disturbance={"position_north": 0.3, "surge": 0.2, "quaternion_x": 0.1, "yaw_rate": 0.05},
+        step=0.02,
+        strengths={
+            f"{effect}.{axis}": ({n: 0.0 for n in ERRORS[effect] if n != f"{effect}.{axis}"}, 1e-4)
+            for effect in ("noise", "bias")
+            for axis in SENSED
+        },
+        structural=frozenset({"dropout"}),
+        form=frozenset({"noise.seed", "bias.seed"} | {f"bias.{axis}_walk" for axis in SENSED}),
     ),
     "Tether": Facts(
         small={"segments": 3},

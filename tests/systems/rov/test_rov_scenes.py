@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
 from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems.rov.records import vehicles
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits, finished
 from scipy.spatial.transform import Rotation
 
@@ -143,3 +144,16 @@ def test_a_shorter_macro_step_changes_little():
     ]
     assert errors[0] < 5e-3
     assert errors[1] < 0.7 * errors[0]
+
+
+def test_errors_behind_sensors_are_those_of_the_vehicle():
+    """Position and attitude less the set point, whatever the controller sees."""
+    result = finished(load_scene("rov-sensors").with_changes({"stop_time": 6.0}))
+    (vehicle,) = vehicles(result)
+    set_point = {"position_north": 0.0, "position_east": 0.0, "depth": 5.5}
+    for error, name in zip(("error_north", "error_east", "error_down"), set_point, strict=True):
+        np.testing.assert_allclose(vehicle.errors[error], set_point[name] - result[f"hull.{name}"], atol=1e-12)
+        assert np.abs(vehicle.errors[error] - result[f"controller.{error}"]).max() > 5e-3
+    seen = Rotation.from_quat(np.array([result[f"hull.quaternion_{a}"] for a in "xyzw"]).T)
+    turn = (seen.inv() * Rotation.from_euler("Z", 0.6)).as_rotvec().T
+    np.testing.assert_allclose([vehicle.errors[f"error_{a}"] for a in ("roll", "pitch", "yaw")], turn, atol=1e-12)

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.wind_pump.wind import Wind, normal_number
+from cosimo.components.core.random_numbers import normal_number
+from cosimo.components.wind_pump.wind import Wind
 
 pytestmark = pytest.mark.interpreted
 
