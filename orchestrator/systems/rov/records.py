@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ....components.rov.controller import RovController
 from ...harness.analysis.records import RecordedUnit, recorded_units
@@ -102,6 +101,8 @@ def _errors(unit: RecordedUnit, controller: RecordedUnit) -> dict[str, np.ndarra
     component, true = controller.component, unit.recorded((*POSITION, *QUATERNION))
     if not isinstance(component, RovController) or len(true) < 7:
         return {}
+    from scipy.spatial.transform import Rotation
+
     wanted = component.set_points(unit.time)
     errors = {e: wanted[:, j] - true[n] for j, (e, n) in enumerate(zip(ERRORS, POSITION, strict=False))}
     attitude = Rotation.from_quat(np.array([true[f"quaternion_{a}"] for a in "xyzw"]).T)
