@@ -5,6 +5,12 @@ from __future__ import annotations
 from ..core.component import Preset
 from .arrangement import EIGHT, eight_places
 
+# added mass of the SF 30k beside its diagonal: Berg (2012) p. 28 as copied; 10.774 and 10.775 for heave and yaw, here the mean
+SF_30K = {
+    "force": (-6.8773, -103.32, 51.29),
+    "mixed": (8.5426, -165.54, -7.8033, 409.44, -5.8488, 62.726, 6.1112, -386.42, 10.7745),
+    "moment": (-10.027, 21.019, -1.1162),
+}
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
@@ -71,5 +77,27 @@ VEHICLES = {
         "(2022), from memory; masses and drag are the component's own, those of Wu (2018)",
         "unconfirmed",
         (*WATER, "further_thrusters"),
+    ),
+    "Berg 2012, SF 30k": Preset(
+        {
+            "mass": 1862.87,
+            "inertia_x": 525.39,
+            "inertia_y": 794.2,
+            "inertia_z": 691.23,
+            "centre_of_gravity_z": 0.0,
+            **coefficients("added_mass", 779.79, 1222.0, 3659.9, 534.9, 842.69, 224.32),
+            **{f"added_mass_coupling.{name}[{i}]": v for name, row in SF_30K.items() for i, v in enumerate(row, 1)},
+            **coefficients("linear_drag", 74.82, 69.48, 728.4, 268.8, 309.77, 105.0),
+            **coefficients("quadratic_drag", 748.22, 992.53, 1821.01, 672.0, 774.44, 523.27),
+            "restoring.weight": 1862.87 * 9.81,
+            "restoring.buoyancy": 1028.0 * 1.83826 * 9.81,
+            "restoring.centre_of_buoyancy_z": -0.3,
+        },
+        "Berg (2012), a work-class vehicle, as copied in the repository uuvsimulator/uuv_simulator (RexROV), whose comments name the "
+        "pages and say that the centre of buoyancy is its own correction, (0, 0, 0.3) m above; density 1028 kg/m3 of that "
+        "repository, its products of inertia of at most 33 kg.m2 left out. Thrusters in the Y-arrangement, which is not that "
+        "vehicle's",
+        "verbatim",
+        (*WATER, "added_mass_coupling"),
     ),
 }

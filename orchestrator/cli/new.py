@@ -14,7 +14,7 @@ from ...components.core.errors import BadInput
 from ..output import ensure_directory
 from .common import group, print_written
 
-new = group("new", "Create a scene, component, line, case or limit table from a template.")
+new = group("new", "Create a scene, vehicle, component, line, case or limit table from a template.")
 
 COMPONENT = '''"""$title: a mass on a spring and a damper, to start from.
 

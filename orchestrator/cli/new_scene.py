@@ -1,4 +1,4 @@
-"""`cosimo new scene | line | case | table`: files of a user's own to start from, which run as they are."""
+"""`cosimo new scene | vehicle | line | case | table`: files of a user's own to start from, which run as they are."""
 
 from __future__ import annotations
 
@@ -190,6 +190,37 @@ def scene(
         raise
     print_written([file, *tables])
     print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
+
+
+@new.command()
+def vehicle(
+    file: File,
+    data: Annotated[
+        Path,
+        Argument(
+            metavar="VEHICLE.toml",
+            help="Mass, inertia, thrusters, and if known added_mass, linear_damping, quadratic_damping: six numbers, 6 x 6, or for "
+            "added_mass a WAMIT file.",
+        ),
+    ],
+    sensors: Annotated[
+        bool, Option("--sensors", help="Put sensors with noise, bias and lost samples before the controller.")
+    ] = False,
+) -> None:
+    """Write a scene of an underwater vehicle. Example: cosimo new vehicle my-scene.toml my-vehicle.toml"""
+    from ..scene.scene import scene_text
+    from ..systems import load_scene
+    from ..systems.rov.own_vehicle import vehicle_scene
+
+    remark = f"vehicle of {data.name}; current, lag of the thrusters and gains are choices, scaled by its mass"
+    write_new(file, scene_text(vehicle_scene(data, sensors), (remark,)))
+    try:
+        load_scene(file)
+    except BadInput:
+        file.unlink()
+        raise
+    print_written([file])
+    print(f"next: cosimo run {file} --in-process -o out")
 
 
 def _copied_scene(file: Path, source: str) -> tuple[str, dict[Path, bytes]]:
