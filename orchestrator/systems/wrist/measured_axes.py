@@ -124,8 +124,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"cosimo: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     for name, k in (("proximal", 0), ("distal", 1)):
-        tilt, error, lean = (math.degrees(v) for v in (axes.tilts[k], axes.errors[k], wide.leans[k]))
-        print(f"{name} axis: tilt {tilt:.2f} ± {error:.2f} degrees; free, it leans {lean:.2f} degrees along the forearm")
+        tilt, scatter, lean = (math.degrees(v) for v in (axes.tilts[k], axes.errors[k], wide.leans[k]))
+        print(f"{name} axis: tilt {tilt:.2f} ± {scatter:.2f} degrees; free, it leans {lean:.2f} degrees along the forearm")
     row, hand = (math.degrees(v) for v in axes.left)
     print(f"left of {len(poses)} postures: {row:.3g} degrees of the proximal bone, {hand:.3g} of the hand (rms);")
     print(f"most in posture {axes.worst[0]}, {math.degrees(axes.worst[1]):.3g} degrees; with free axes", end=" ")
