@@ -35,6 +35,8 @@ def with_columns(scene: Scene, path: str | Path, written: str = "") -> tuple[dic
         data["units"][unit].get("parameters", {}).pop(variable, None)
     more = [{"source": f"{name}.{column}", "target": ".".join(end)} for column, end in joined.items()]
     data["connections"] = [*data.get("connections", ()), *more]
+    if data.get("master", {}).get("order"):
+        data["master"]["order"] = [name, *data["master"]["order"]]  # it has no inputs, so that all may see its present values
     free = {name: end for name, end in ends.items() if end not in joined.values()}
     left = [f"{c!r}{_guess(c, free)}" for c in columns if c not in joined]
     waiting = sorted({".".join(end) for end in ends.values()} - {".".join(end) for end in joined.values()})

@@ -324,6 +324,15 @@ def test_open_inputs_of_a_scene_are_joined_by_short_and_by_whole_names(tmp_path)
     assert run(scene).outcome == "done"
 
 
+def test_a_table_comes_first_in_a_given_order_of_units(tmp_path):
+    (tmp_path / "data.csv").write_text("time,mass.base_torque\n0,1\n2,1\n")
+    units = list(cosimo.load_scene("mass-on-spring").units)
+    ordered = cosimo.load_scene("mass-on-spring", {"stop_time": 0.5, "master.order": units[::-1]})
+    scene = ordered.with_input(tmp_path / "data.csv")
+    assert list(scene.settings()["master"]["order"]) == ["input", *units[::-1]]
+    assert run(scene).outcome == "done"
+
+
 def test_a_new_scene_with_a_table_runs_as_it_is(tmp_path, capsys):
     (tmp_path / "data.csv").write_text(INPUT)
     file = tmp_path / "scene.toml"
