@@ -104,7 +104,8 @@ def content_of(
     elements = [f"{name}[{k}]" for name, size in arrays.items() for k in range(1, size + 1)]
     recorded = scene.with_changes({"record.signals": [*scene.record.signals, *elements]}) if scene.record.signals else scene
     switched = switches(scene, table.effects if effects is None else effects, say)
-    built = list(variants(recorded, switched, table.algorithms, say))
+    offered = table.parameters if parameters is None else parameters
+    built = list(variants(recorded, switched, table.algorithms, say, slopes=offered is None or bool(offered)))
     numbers = {v.scalar.name: v for v in _numbers(built[0].library, "PARAMETER")}
     if parameters is None and table.parameters is not None:
         parameters = {name: _ends(scene, name, given, numbers) for name, given in table.parameters.items()}

@@ -21,6 +21,7 @@ MOST_MODULES = 8
 FEW_MODULES = 4  # up to which the other algorithm is offered unasked
 LOOPS = ("gauss-seidel", "jacobi")  # algorithms that are kernels alone
 DEGREES = (0, 1, 2)  # of extrapolation
+NO_SLIDERS = b"", (), "a page without sliders"  # of the derivatives of a variant
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,13 @@ def algorithms(scene: Scene, wanted: Sequence[str] | None, modules: int) -> list
     return list(dict.fromkeys((own, *(LOOPS if both else ()))))
 
 
-def variants(scene: Scene, effects: Sequence[str], wanted: Sequence[str] | None, say: Callable[[str], None]) -> Iterator[Variant]:
-    """The scene itself first, then all other sets of effects and algorithms; wanted: algorithms, None for the usual ones."""
+def variants(
+    scene: Scene, effects: Sequence[str], wanted: Sequence[str] | None, say: Callable[[str], None], slopes: bool = True
+) -> Iterator[Variant]:
+    """The scene itself first, then all other sets of effects and algorithms; wanted: algorithms, None for the usual ones.
+
+    slopes: with modules of derivatives.
+    """
     sets = list(product((True, False), repeat=len(effects)))
     offered = algorithms(scene, wanted, len(sets))
     count = len(sets) * len(offered)
@@ -98,7 +104,7 @@ def variants(scene: Scene, effects: Sequence[str], wanted: Sequence[str] | None,
         changed = scene.with_changes(changes) if changes else scene
         library = scene_library(changed, ["wasm32"], ("live.c",))
         states_of = dict(zip(effects, states, strict=True))
-        yield Variant(states_of, algorithm, library, _extrapolations(changed), *_tangents(changed))
+        yield Variant(states_of, algorithm, library, _extrapolations(changed), *(_tangents(changed) if slopes else NO_SLIDERS))
 
 
 def _tangents(scene: Scene) -> tuple[bytes, Collection[str], str]:
