@@ -91,7 +91,7 @@ class HungLine(KernelComponent):
 
     def _deviations(self, plan: Plan) -> np.ndarray:
         """Of the line as built, see `deviations`; none without the effect."""
-        return deviations(plan, self.parameters["scatter.seed"]) if "scatter" in self.on else AS_PLANNED
+        return deviations(plan, int(self.get("scatter.seed"))) if "scatter" in self.on else AS_PLANNED
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also what a line's table has in every place, and a support beyond the end."""

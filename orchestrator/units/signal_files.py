@@ -251,9 +251,9 @@ def _mat(path: str, size: int, advance: Callable[[int], None]) -> type[Signals]:
 
     content = {name: np.asarray(value) for name, value in loadmat(path).items() if not name.startswith("__")}
     units = dict[str, str]()
-    if "units" in content and content["units"].dtype.names and content["units"].size == 1:
+    if "units" in content and (fields := content["units"].dtype.names) and content["units"].size == 1:
         struct = content.pop("units")
-        units = {name: "".join(map(str, np.ravel(struct[name].item()))) for name in struct.dtype.names}
+        units = {name: "".join(map(str, np.ravel(struct[name].item()))) for name in fields}
     named: list[Named] = []
     values: list[np.ndarray] = []
     lengths = {max(value.shape) for name, value in content.items() if value.ndim == 2 and name.lower() in TIME}

@@ -48,7 +48,7 @@ def rules(result: Result) -> list[Rules]:
     held = []
     for passage in _whole(result):
         speed, numbers = round(passage.speed / KMH, 3), _measures(result, passage)
-        conditions = [supply]
+        conditions: list[str] = [supply]
         if "spacing" in numbers:
             conditions.append(f"{supply}, pantographs, {spaced(speed)}")
         if "height_low" in numbers and speed > HIGH:
