@@ -130,6 +130,8 @@ def verified_result(
         return _with(result, Verification(False, f"the run is {result.outcome}"))
     if wish == "no":
         return _judged(result, Verification(False, NOT_ASKED))
+    if once := next((kind.once for kind in result.scene.kinds.values() if kind.once), ""):
+        return _judged(result, Verification(False, f"the run cannot be repeated: {once}"))
     begun, of_steps = process_time(), "auto" if wish == "steps" else wish
     whole = replace(result, scene=_with_whole_paths(result.scene))
     try:

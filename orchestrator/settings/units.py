@@ -16,11 +16,13 @@ KIND_NAMES = {
     "component": "a component",
     "fmu": "an FMU given by its path",
     "signals": "a table of signals",
+    "ardupilot": "an autopilot",
 }  # by the key that says so
 OF_KINDS = {  # other keys that have an effect for some of them only, and for which
     **dict.fromkeys(TABLE_KEYS, ("signals",)),
     "preset": ("component",),
-    **dict.fromkeys(("effects", "every", "isolation", "time_limit"), ("component", "fmu")),
+    **dict.fromkeys(("effects", "every", "isolation"), ("component", "fmu")),
+    "time_limit": ("component", "fmu", "ardupilot"),
     **dict.fromkeys(("interface", "solver", "tolerance"), ("fmu",)),
 }
 
@@ -38,6 +40,9 @@ class UnitSettings(Model):
     fmu: str = Field(default="", description="path to an FMU, relative to the scene's file")
     signals: str = Field(
         default="", description="path to a table over time, whose columns are the outputs: CSV, Parquet, Arrow, MAT 5"
+    )
+    ardupilot: str = Field(
+        default="", description="host and port, as in 127.0.0.1:9002, where packets of ArduPilot's JSON interface arrive"
     )
     interpolation: Literal["linear", "hold", "pchip"] | None = Field(
         default=None,
@@ -66,7 +71,9 @@ class UnitSettings(Model):
         "restricted: there in the sandbox of bubblewrap, with limits, without network, and with files it can only read",
     )
     time_limit: Positive | None = Field(
-        default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes"
+        default=None,
+        description="s of real time to wait: with isolation for the worker in a call, default as long as it takes; "
+        "for a packet of an autopilot, default 30",
     )
     interface: Literal["co-simulation", "model-exchange"] | None = Field(
         default=None, description="interface of an FMU that has two; default: co-simulation if available"
@@ -105,9 +112,9 @@ class UnitSettings(Model):
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
         component = "" if self.signals else self.component  # that of a table is made when the scene is read
-        given = [k for k, value in zip(KIND_NAMES, (component, self.fmu, self.signals), strict=True) if value]
+        given = [k for k, value in zip(KIND_NAMES, (component, self.fmu, self.signals, self.ardupilot), strict=True) if value]
         if len(given) != 1:
-            actual = f"both {' and '.join(given)}" if given else "neither component nor fmu nor signals"
+            actual = f"both {' and '.join(given)}" if given else "neither component nor fmu nor signals nor ardupilot"
             remedy = 'Write component = "Name", fmu = "path/to/file.fmu" or signals = "path/to/table.csv".'
             raise BadInput("", actual, "one of them", remedy)
         (kind,) = given

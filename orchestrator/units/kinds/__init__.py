@@ -11,12 +11,18 @@ from typing import Any
 
 from ...settings import UnitSettings
 from ...settings.units import TABLE_KEYS
+from .ardupilot import ArduPilotKind
 from .component import ComponentKind
 from .fmu import FmuKind
 from .kind import UnitKind
 from .signals import SignalsKind
 
-UNIT_KINDS: tuple[type[UnitKind], ...] = (SignalsKind, FmuKind, ComponentKind)  # a table of signals has a component made of it
+UNIT_KINDS: tuple[type[UnitKind], ...] = (
+    SignalsKind,
+    FmuKind,
+    ArduPilotKind,
+    ComponentKind,
+)  # a table of signals has a component made of it
 KEYS = tuple(kind.key for kind in UNIT_KINDS)  # of an entry of [units], of which one says what it is
 OF_A_KIND = (*KEYS, *TABLE_KEYS)  # keys that another kind has no use for
 

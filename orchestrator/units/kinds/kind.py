@@ -32,6 +32,7 @@ class UnitKind(ABC):
     has_native_form: whether it can be built as a native FMU.
     component_class: of its component; None: none is known.
     code: names of components whose code its results depend on.
+    once: why a run with it cannot be repeated, in words; "": it can.
     """
 
     key: ClassVar[str]
@@ -42,6 +43,7 @@ class UnitKind(ABC):
     of_catalogue: bool = False
     component_class: type[Component] | None = None
     code: tuple[str, ...] = ()
+    once: ClassVar[str] = ""
 
     def __init__(self, settings: UnitSettings, where: str):
         self.settings, self.where = settings, where
