@@ -23,13 +23,13 @@ NOTHING_PROBED = Advice(StabilityAdvice(), 0, 0.0, 0.0, 0.0)
 
 
 def not_executed(scene: Scene) -> list[str]:
-    """The units whose code is foreign and in no sandbox: looking at a scene does not execute it."""
-    return [name for name, kind in scene.kinds.items() if kind.foreign and not kind.sandboxed]
+    """The units whose code is foreign and in no sandbox, and those that run once: looking at a scene does not execute them."""
+    return [name for name, kind in scene.kinds.items() if (kind.foreign and not kind.sandboxed) or kind.once]
 
 
 def why_not_executed(names: list[str]) -> str:
     """Why something of a scene is not known, for the reader."""
-    return f"{', '.join(names)} {'is an FMU' if len(names) == 1 else 'are FMUs'}, and looking executes none"
+    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of others, and looking executes none"
 
 
 def tables(scene: Scene, coupling: Coupling) -> Iterator[Table]:

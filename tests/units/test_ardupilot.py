@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cosimo import run
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.judgement.dry_run import not_executed
 from cosimo.orchestrator.systems import read_scene
 from scipy.spatial.transform import Rotation
 
@@ -156,3 +157,7 @@ def test_what_cannot_be_flown_is_refused():
     connections = ["hull.surge -> autopilot.surge", "autopilot.command[1] -> thruster_1.command"]
     with pytest.raises(BadInput, match="heave, roll_rate, pitch_rate, yaw_rate without a connection"):
         run(scene(partner).with_changes({"connections": connections}), in_process=True)
+
+
+def test_looking_at_a_scene_waits_for_nobody():
+    assert not_executed(scene(Partner([]))) == ["autopilot"]
