@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from cosimo.components.wrist.kinematics import forward, inverse
 from cosimo.components.wrist.ligament_springs import COUNT, attachments
-from cosimo.orchestrator.systems.wrist.cases.paper_wrist.constraints import _strains
+from cosimo.orchestrator.systems.wrist.cases.paper_wrist.constraints import _strains, widest_in_closed_form
 from cosimo.orchestrator.systems.wrist.cases.paper_wrist.load import FIRST, SECOND, column, wrist_load
-from cosimo.orchestrator.systems.wrist.cases.paper_wrist.postures import STANDARD, TILTS, _rotation, axes
+from cosimo.orchestrator.systems.wrist.cases.paper_wrist.postures import DEVIATIONS, FLEXIONS, STANDARD, TILTS, _rotation, axes
 from scipy.spatial.transform import Rotation
 
 
@@ -74,3 +74,12 @@ def test_pairs_with_an_end_on_the_axis_do_not_stretch_at_all():
     assert np.abs(_strains(attachments(np.zeros(COUNT)))).max() < 1e-12
     near = _strains(attachments(np.full(COUNT, 1e-3)))
     assert 0.01 < near.max() < 0.05  # the page's statement on attachments within a millimetre
+
+
+def test_ends_that_keep_a_ligament_isometric_are_those_of_the_closed_form():
+    """With that distance from the axis the law of cosines gives 5 % at the largest angle."""
+    r = widest_in_closed_form()
+    most = max(abs(inverse(f, d, axes(STANDARD))[0]) for f in FLEXIONS.tolist() for d in DEVIATIONS.tolist())
+    lever, angle = 12e-3, 0.7 * most
+    length = math.sqrt(lever**2 + r**2 - 2.0 * lever * r * math.cos(angle))
+    assert length / (lever - r) == pytest.approx(1.05, rel=1e-9)

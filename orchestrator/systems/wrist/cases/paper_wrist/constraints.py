@@ -18,6 +18,8 @@ from .postures import CALM, DEGREES, DEVIATIONS, FLEXIONS, STANDARD, axes, held_
 
 EXTENTS = np.array([[0.0, 0.7], [1.0, 1.0], [1.0, 0.7], [0.7, 0.85], [0.0, 0.85]])  # of the component's defaults
 OFF_AXIS = 3e-3  # m
+ISOMETRIC, FARTHEST, HALVINGS = 0.05, 5e-3, 12  # strain; m, where the search for an end begins
+LEVER, EXTENT = 12e-3, 0.7  # m, of the radius' end of the first ligament; of the lunate's angle over the row's
 SEED, SIZE = 17, 0.012  # of the control's ends; m
 MOMENT = 2.0  # N.m, of the range of motion
 PROXIMAL = (1, 3, 4, 5)  # ligaments of the proximal row, which are redundant
@@ -37,12 +39,14 @@ def measure(runs: Runs) -> Evidence:
     rng = np.random.default_rng(SEED)
     control = _strains(rng.uniform(-SIZE, SIZE, (COUNT, 6)))
     ends = control[[0, 0, -1, -1], [0, -1, 0, -1]]  # of flexion and deviation
+    widest = _widest()
     measured = {f"strain.{name}": 100.0 * float(named[:, :, j].max()) for j, name in enumerate(LIGAMENTS)}
     measured |= {
         "slack": -100.0 * float(named.min()),
         "control": 100.0 * float(np.abs(ends).max(axis=0).max()),
         "control.mean": 100.0 * float(np.abs(ends).max(axis=0).mean()),
         "closed": _closed_form(),
+        "widest": float(widest[0]) / widest_in_closed_form(),
         "back": _back(),
     }
     measured |= _interventions(runs["cuts"]) | _person(runs["person"])
@@ -52,6 +56,7 @@ def measure(runs: Runs) -> Evidence:
         "isometric": {name.replace("_", "-"): 100.0 * named[:, middle, j] for j, name in enumerate(LIGAMENTS)},
         "control.strains": {f"pair {j + 1}": 100.0 * control[:, middle, j] for j in range(COUNT)},
         "cuts": list(CUTS),
+        "widest.ends": ", ".join(f"{n.replace('_', '-')} {1e3 * r:.2f} mm" for n, r in zip(LIGAMENTS, widest, strict=True)),
         "ranges": {way: [measured[f"rom.{n}.{way}"] for n in CUTS] for way in DIRECTIONS},
         "ligaments": ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)),
     }
@@ -65,6 +70,24 @@ def _strains(ends: np.ndarray) -> np.ndarray:
     ligaments = np.column_stack((ends, EXTENTS))  # of whose columns lengths know these
     return np.array([[lengths(*inverse(f, d, at)[:2], at, ligaments)[:, 0] / slack - 1.0 for d in DEVIATIONS.tolist()]
                      for f in FLEXIONS.tolist()])  # fmt: skip
+
+
+def _widest() -> np.ndarray:
+    """Largest distance of an end from the axis at which each ligament stays isometric over all postures, (5,) m, by bisection."""
+    low, high = np.zeros(COUNT), np.full(COUNT, FARTHEST)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        within = _strains(attachments(middle)).max(axis=(0, 1)) <= ISOMETRIC
+        low, high = np.where(within, middle, low), np.where(within, high, middle)
+    return low
+
+
+def widest_in_closed_form() -> float:
+    """The same of lunate and radius, m: 2 r1 r (1 - cos a) = ((1 + strain)² - 1) (r1 - r)² at the largest angle a."""
+    at = axes(STANDARD)
+    most = max(abs(inverse(f, d, at)[0]) for f in FLEXIONS.tolist() for d in DEVIATIONS.tolist())
+    grown, turn = (1.0 + ISOMETRIC) ** 2 - 1.0, 1.0 - math.cos(EXTENT * most)
+    return float(np.roots([grown, -2.0 * LEVER * (grown + turn), grown * LEVER**2]).real.min())
 
 
 def _closed_form() -> float:
