@@ -68,6 +68,9 @@ class ArduPilot(Simulator):
         self.partner: Any = None
         self.count, self.answer, self.steps = -1, b"", 0
         self.commands = [0.0] * CHANNELS
+        self.inputs: tuple[str, ...] = ()
+        self.values: list[float] = []
+        self.velocity = (0.0, 0.0, 0.0)  # m/s, of the step before, north, east, down
         self.counters = {"packets": 0, "repeated packets": 0, "lost packets": 0, "frame rate": 0}
 
     # -- packets ---------------------------------------------------------------------------------------------------------
@@ -140,7 +143,7 @@ class ArduPilot(Simulator):
                 self.where, f"{', '.join(missing)} without a connection", "the whole motion", 'As "hull.* -> autopilot.*".'
             )
         self.inputs, self.get = tuple(inputs), self.reader(outputs)
-        self.values, self.velocity = [0.0] * len(inputs), (0.0, 0.0, 0.0)
+        self.values = [0.0] * len(inputs)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         places = [int(n.partition("[")[2].rstrip("]")) - 1 for n in names]

@@ -95,7 +95,7 @@ def read_vehicle(path: Path) -> dict[str, Any]:
     for key in ("mass", "inertia", "thrusters"):
         if key not in data:
             raise BadInput(str(path), f"no {key}", "mass, inertia and thrusters at least")
-    choices = {"axes": FLIPS, "signs": SIGNS}
+    choices: dict[str, Mapping[str, Any]] = {"axes": FLIPS, "signs": SIGNS}
     for key, known in choices.items():
         pick(data.setdefault(key, next(iter(known))), known, f"{path}: {key}", f"one of {', '.join(known)}", key)
     flip, sign = FLIPS[data["axes"]], SIGNS[data["signs"]]
