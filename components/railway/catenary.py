@@ -20,6 +20,7 @@ from .catenary_effects import (
     FURTHER,
     PROFILE,
     BendingStiffness,
+    BlowOff,
     Damping,
     DropperSlackening,
     FurtherPantographs,
@@ -48,6 +49,7 @@ from .contact import (
     heights_around,
     hung_around,
     in_range,
+    lateral_give,
     lateral_position,
     wire_motion,
 )
@@ -148,6 +150,7 @@ class Catenary(HungLine):
     scatter = Scatter
     second_wire = SecondWire
     stagger = Stagger
+    blow_off = BlowOff
     gusts = Gusts
     wire_profile = WireProfile
     line_profile = LineProfile
@@ -198,7 +201,7 @@ class Catenary(HungLine):
         `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: further arrays that fill it.  `plan`, `filled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `ready`: 1 when all that follows from
         parameters alone is there.  `points`: see `contact_points`.  `lateral`:
-        rows of contact wire, position and stagger.  `random`: of a line as built; `at_rest`: its displacement by slack droppers.
+        rows of contact wire, position, stagger and wire.  `random`: of a line as built; `at_rest`: its displacement by slack droppers.
         `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
         what moves, see `moving_window`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: of the
@@ -248,7 +251,7 @@ class Catenary(HungLine):
             "points": points,
             "random": self._deviations(plan),
             "at_rest": N if e.scatter is not None else None,
-            "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None,
+            "lateral": layout.lateral[:, [0, 1, 2, 4]] if e.stagger is not None else None,
             "balance": empty_balance(mesh),
             "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))),
             "limits": 2,
@@ -352,6 +355,10 @@ def put_outputs(t, mesh, s, p, e):
     if e.stagger is not None:
         for wire in range(2):
             y[e.stagger.y + wire] = lateral_position(u[IN.contact_position], wire, s.lateral)
+            if e.blow_off is not None:
+                load = 0.5 * e.blow_off.density * e.blow_off.drag_coefficient * e.blow_off.diameter * e.blow_off.speed
+                load *= abs(e.blow_off.speed)
+                y[e.stagger.y + wire] += load * lateral_give(u[IN.contact_position], wire, s.lateral, s.filled.tension)
     if e.wire_profile is not None:
         heights_around(u[IN.contact_position], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
     if e.line_profile is not None:

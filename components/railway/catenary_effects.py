@@ -255,6 +255,23 @@ class Stagger(Effect):
     second_lateral_position = output("m", "the same of the second contact wire", nominal=0.1, feedthrough=("contact_position",))
 
 
+class BlowOff(Effect):
+    """A steady wind across the line moves the contact wires to the side: x (L - x) p / 2 T between supports, p L² / 8 T at most.
+
+    Quasi-static, beside the vertical motion: p = rho/2 C_D d U² on the wire alone, a string that its supports hold. Neglected: what
+    droppers take over from or to the messenger, the messenger's own drag, the supports' give. Values of C_D and d from memory.
+    """
+
+    explicit_only = True
+    requires = ("stagger",)
+    read_by = ("step", "outputs")
+
+    speed = parameter(20.0, "m/s", "speed of the wind across the line, positive towards positive stagger", low=-100.0, high=100.0)
+    density = parameter(1.225, "kg/m3", "density of the air", low=0.0)
+    drag_coefficient = parameter(1.0, "1", "drag coefficient C_D of the contact wires", low=0.0)
+    diameter = parameter(0.0145, "m", "diameter d of the contact wires", low=0.0)
+
+
 class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
 

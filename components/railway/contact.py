@@ -134,12 +134,25 @@ def wire_motion(position, x, wire, mesh):
 
 @kernel
 def lateral_position(position, wire, lateral):
-    """Lateral position of a contact wire, m, straight between the rows (wire, position, stagger) of `lateral`, 0 beyond them."""
+    """Lateral position of a contact wire, m, straight between the rows (wire, position, stagger, number) of `lateral`, else 0."""
     for k in range(lateral.shape[0] - 1):
         a, b = lateral[k, 1], lateral[k + 1, 1]
         if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
             s = (position - a) / (b - a)
             return (1.0 - s) * lateral[k, 2] + s * lateral[k + 1, 2]
+    return 0.0
+
+
+@kernel
+def lateral_give(position, wire, lateral, tension):
+    """Displacement to the side at a place over a load along the wire, m²/N: x (L - x) / 2 T between supports, 0 beyond them.
+
+    lateral: as of `lateral_position`, the number that of the wire in `tension`, N.
+    """
+    for k in range(lateral.shape[0] - 1):
+        a, b = lateral[k, 1], lateral[k + 1, 1]
+        if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
+            return (position - a) * (b - position) / (2.0 * tension[int(lateral[k, 3])])
     return 0.0
 
 

@@ -68,6 +68,7 @@ FACTS = {
                 "temperature",
                 "wear",
                 "scatter",
+                "blow_off",
             }
         ),
         # a kink under a force is rounded over sqrt(EI / T)
