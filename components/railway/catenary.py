@@ -42,6 +42,7 @@ from .catenary_effects import (
 from .catenary_presets import PRESETS
 from .contact import (
     add_contact,
+    blown_off,
     contact_compliance,
     contact_points,
     element_at,
@@ -49,7 +50,6 @@ from .contact import (
     heights_around,
     hung_around,
     in_range,
-    lateral_give,
     lateral_position,
     wire_motion,
 )
@@ -356,9 +356,7 @@ def put_outputs(t, mesh, s, p, e):
         for wire in range(2):
             y[e.stagger.y + wire] = lateral_position(u[IN.contact_position], wire, s.lateral)
             if e.blow_off is not None:
-                load = 0.5 * e.blow_off.density * e.blow_off.drag_coefficient * e.blow_off.diameter * e.blow_off.speed
-                load *= abs(e.blow_off.speed)
-                y[e.stagger.y + wire] += load * lateral_give(u[IN.contact_position], wire, s.lateral, s.filled.tension)
+                y[e.stagger.y + wire] += blown_off(u[IN.contact_position], wire, s.lateral, s.filled.tension, e.blow_off)
     if e.wire_profile is not None:
         heights_around(u[IN.contact_position], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
     if e.line_profile is not None:

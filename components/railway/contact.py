@@ -144,15 +144,16 @@ def lateral_position(position, wire, lateral):
 
 
 @kernel
-def lateral_give(position, wire, lateral, tension):
-    """Displacement to the side at a place over a load along the wire, m²/N: x (L - x) / 2 T between supports, 0 beyond them.
+def blown_off(position, wire, lateral, tension, wind):
+    """Displacement to the side by a wind (`BlowOff`), m: p x (L - x) / 2 T between supports, 0 beyond them.
 
     lateral: as of `lateral_position`, the number that of the wire in `tension`, N.
     """
+    load = 0.5 * wind.density * wind.drag_coefficient * wind.diameter * wind.speed * abs(wind.speed)
     for k in range(lateral.shape[0] - 1):
         a, b = lateral[k, 1], lateral[k + 1, 1]
         if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
-            return (position - a) * (b - position) / (2.0 * tension[int(lateral[k, 3])])
+            return load * (position - a) * (b - position) / (2.0 * tension[int(lateral[k, 3])])
     return 0.0
 
 
