@@ -200,12 +200,11 @@ class Catenary(HungLine):
 
         `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: further arrays that fill it.  `plan`, `filled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `ready`: 1 when all that follows from
-        parameters alone is there.  `points`: see `contact_points`.  `lateral`:
-        rows of contact wire, position, stagger and wire.  `random`: of a line as built; `at_rest`: its displacement by slack droppers.
-        `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
-        where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
-        what moves, see `moving_window`.  `gusts`: the wind.  `rows`: of the explicit method, see `fill_wire_rows`; `solver`: of the
-        implicit one.
+        parameters alone is there.  `points`: see `contact_points`.  `lateral`: rows of contact wire, position, stagger and wire.
+        `random`: of a line as built; `at_rest`: its displacement by slack droppers.  `balance`: the static equilibrium.  `limits`:
+        longest stable step, s, and, where it is refused, its first three digits, for it follows the substep.  `refused`: numbers
+        of a refusal.  `window`: of what moves, see `moving_window`.  `gusts`: the wind.  `rows`: of the explicit method, see
+        `fill_wire_rows`; `solver`: of the implicit one.
         """
         _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
@@ -250,7 +249,7 @@ class Catenary(HungLine):
             "network": empty_network(plan, cut) if e.line_table is not None else None,
             "points": points,
             "random": self._deviations(plan),
-            "at_rest": N if e.scatter is not None else None,
+            "at_rest": None if e.scatter is None else N,
             "lateral": layout.lateral[:, [0, 1, 2, 4]] if e.stagger is not None else None,
             "balance": empty_balance(mesh),
             "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))),
