@@ -65,10 +65,24 @@ def eight_arrangement() -> tuple[np.ndarray, np.ndarray]:
     return positions, directions
 
 
-def eight_places() -> dict[str, float]:
-    """The arrangement of eight as parameters of a hull or a controller with the effect `further_thrusters`."""
+def sf_30k_arrangement() -> tuple[np.ndarray, np.ndarray]:
+    """Positions in m and directions of thrust, (8, 3) each, of an SF 30k: four steep thrusters, then four level ones.
+
+    Places and angles of the copy in the repository uuvsimulator/uuv_simulator (RexROV), whose axes are forward, port, up, read.
+    """
+    x, y, z = np.array([-0.890895, -0.890895, 0.890895, 0.890895]), np.array([1.0, -1.0, 1.0, -1.0]), 0.528822
+    level = np.array([-0.412125, -0.412125, 0.412125, 0.412125])
+    pitch = np.radians([-74.53, -74.53, -105.47, -105.47, 0.0, 0.0, 0.0, 0.0])
+    yaw = np.radians([-53.21, 53.21, 53.21, -53.21, 45.0, -45.0, 135.0, -135.0])
+    positions = np.vstack([np.c_[x, 0.334385 * y, np.full(4, z)], np.c_[level, 0.505415 * y, np.full(4, 0.129)]])
+    directions = np.c_[np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)]
+    return positions * [1.0, -1.0, -1.0], directions * [1.0, -1.0, -1.0]
+
+
+def eight_places(arrangement: tuple[np.ndarray, np.ndarray] | None = None) -> dict[str, float]:
+    """An arrangement of eight, by default `eight_arrangement`, as parameters of a hull or a controller with `further_thrusters`."""
     names = [f"thruster_{a}" for a in "xyz"] + [f"thruster_direction_{a}" for a in "xyz"]
-    values = np.hstack(eight_arrangement())
+    values = np.hstack(arrangement or eight_arrangement())
     return {
         f"{n}[{i + 1}]" if i < 6 else f"further_thrusters.{n}[{i - 5}]": float(values[i, j])
         for j, n in enumerate(names)

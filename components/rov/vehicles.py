@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.component import Preset
-from .arrangement import EIGHT, eight_places
+from .arrangement import EIGHT, eight_places, sf_30k_arrangement
 
 # added mass of the SF 30k beside its diagonal: Berg (2012) p. 28 as copied; 10.774 and 10.775 for heave and yaw, here the mean
 SF_30K = {
@@ -92,12 +92,12 @@ VEHICLES = {
             "restoring.weight": 1862.87 * 9.81,
             "restoring.buoyancy": 1028.0 * 1.83826 * 9.81,
             "restoring.centre_of_buoyancy_z": -0.3,
+            **eight_places(sf_30k_arrangement()),
         },
         "Berg (2012), a work-class vehicle, as copied in the repository uuvsimulator/uuv_simulator (RexROV), whose comments name the "
         "pages and say that the centre of buoyancy is its own correction, (0, 0, 0.3) m above; density 1028 kg/m3 of that "
-        "repository, its products of inertia of at most 33 kg.m2 left out. Thrusters in the Y-arrangement, which is not that "
-        "vehicle's",
+        "repository, its products of inertia of at most 33 kg.m2 left out. Thrusters of that copy",
         "verbatim",
-        (*WATER, "added_mass_coupling"),
+        (*WATER, "added_mass_coupling", "further_thrusters"),
     ),
 }

@@ -208,3 +208,15 @@ def test_the_least_power_is_that_of_a_global_search():
         found = search(np.ones(6), beside, A, room, v)
         best = min(minimize(power, random.normal(size=6), args=(m,)).fun for _ in range(15))
         assert found == pytest.approx(best, abs=1e-5)
+
+
+def test_the_work_class_vehicle_has_its_eight_thrusters():
+    """Symmetric to its middle plane, in balance ahead, and all six axes can be had; in water it rises a little."""
+    hull = RovHull(preset="Berg 2012, SF 30k")
+    hull.initialize(0.0)
+    T = hull.arguments[0].thrusters
+    assert np.linalg.matrix_rank(T) == 6
+    np.testing.assert_allclose(T[:, 4:6].sum(axis=1)[[1, 2, 3, 5]], 0.0, atol=1e-15)
+    np.testing.assert_allclose(T[:, :4].sum(axis=1)[[0, 1, 3, 4, 5]], 0.0, atol=1e-12)
+    assert T[2, :4] == pytest.approx([-np.sin(np.radians(74.53))] * 4)  # they lift
+    assert 0.0 < hull["restoring.buoyancy"] - hull["restoring.weight"] < 0.02 * hull["restoring.weight"]
