@@ -125,7 +125,7 @@ def limit_cells(study: StabilityMap) -> Cells:
         (*names, "algorithm, inputs", "longest stable step, s", "told by", "what a longer step does"),
         rows,
         "Eigenvalue: the derivative of a macro step is the same all along the run, and the limit is exact. Growth along the run: "
-        "the mean over stretches that begin on a run with short steps, beside that of a quarter of the step; about 1 %.",
+        "that of a push over stretches that begin on a run with short steps, beside that of a quarter of the step; some per cent.",
         frozenset([*range(n), n + 1]),
     )
 
