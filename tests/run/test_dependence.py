@@ -57,6 +57,7 @@ CHANGES = {  # key of a scene -> (another value, the kinds of results that it ch
     "units.a.tolerances": ({"k": 1.0}, ALL),
     "units.a.every": (2, ALL),
     "units.a.isolation": ("process", ALL),
+    "units.a.ardupilot": ("127.0.0.1:9002", ALL),
     "units.a.time_limit": (1.0, ALL),
     "units.a.interface": ("model-exchange", ALL),
     "units.a.solver": ("RK45", ALL),
