@@ -25,8 +25,8 @@ def export(
 
     Headers have the units of measure. result.parquet and result.csv of the run stay as they are.
     """
-    from ..run.results import Result
+    from ..systems import read_result
 
     wanted = listed("--signal", signals)
-    result = Result.read(directory)
+    result = read_result(directory)
     print_written([result.export(output, wanted or None, separator="\t" if separator == "tab" else separator, decimal=decimal)])

@@ -11,6 +11,7 @@ from cosimo.components.core.errors import visible
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.units.signal_files import read_signals
 from cosimo.orchestrator.views import export
+from cosimo.tests.commands import exit_code
 from cosimo.tests.support import two_masses
 
 
@@ -97,3 +98,12 @@ def test_limits_of_formats_and_a_missing_library_are_said(masses, tmp_path, monk
     with pytest.raises(BadInput, match="pip install openpyxl"):
         masses.export(tmp_path / "s.xlsx")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_exports_a_run_of_a_system(tmp_path):
+    """A scene of a system is read back with the systems that there are."""
+    assert exit_code(
+        "run", "friction-drive-step", "--in-process", "--no-verify", "--stop", "0.01", "-o", str(tmp_path / "out")
+    ) in (0, None)
+    assert exit_code("export", str(tmp_path / "out"), "-o", str(tmp_path / "s.csv"), "--signal", "wheels.feed") in (0, None)
+    assert (tmp_path / "s.csv").read_text().splitlines()[0] == "time [s],wheels.feed [m]"

@@ -32,9 +32,13 @@ def measure(runs: Runs) -> Evidence:
     results = [(f"EN 50318:2018 AC simple, {v:g} km/h", ac_simple_run(v, runs.options)[0]) for v in (275.0, 320.0)]
     results += [(f"EN 50318:2002, {v:g} km/h", reference_run(v, runs.options)) for v in (250.0, 300.0)]
     rows: list[Row] = []
+    lines: list[tuple[str, float, float, float]] = []
     for name, result in results:
         rows += compare(tuple(replace(r, condition=name) for r in table.under("AC")[:1]), measures(result))
-    return Evidence(rows=tuple(rows), settings={}, data={})
+        passage = _whole(result)[0]
+        wave = wave_speed(result, passage.catenary) or math.nan
+        lines.append((name, passage.speed / KMH, wave / KMH, passage.speed / wave))
+    return Evidence(rows=tuple(rows), settings={}, data={"lines": lines})
 
 
 def measures(result: Result) -> dict[str, float]:
