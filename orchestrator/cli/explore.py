@@ -37,10 +37,7 @@ def explore(
         ),
     ] = None,
     serve: Annotated[
-        bool,
-        Option(
-            "--serve", help="Run the scene in a local process and show it in the browser. Default for FMUs and units in Python."
-        ),
+        bool, Option("--serve", help="Run the scene in a local process and show it in the browser. Default for scenes with FMUs.")
     ] = False,
     port: Annotated[int, Option(min=0, max=65535, help="With --serve: port of 127.0.0.1. Default: a free one.")] = 0,
     browser: Annotated[bool, Option("--browser/--no-browser", help="With --serve: open the browser.")] = True,
@@ -53,8 +50,6 @@ def explore(
     WebAssembly cannot run FMUs and units in Python: cosimo explore model.fmu holds the scene in a local process, and its page has
     inputs that move during the run, start values, curves, files and numerical errors. Needs the extra `serve`.
     """
-    from ..systems import explore_page
-
     loaded = scene_of(scene, values, presets)
     foreign = any(kind.foreign for kind in loaded.kinds.values())
     if serve or (foreign and output is None):
@@ -64,6 +59,8 @@ def explore(
         serve_scene(loaded, port, partial(_open, browser=browser))
         return
     refuse({"--port": port or None, "--no-browser": not browser}, "no effect without --serve")
+    from ..systems import explore_page
+
     path = output or Path(f"{loaded.name}.html")
     with status_spinner("building the page") as say:
         explore_page(loaded, path, parameters=dict(map(_range, vary or ())) or None, effects=effects, say=say)

@@ -162,7 +162,9 @@ def uncertainty(
     limits: Limits = "",
     condition: Conditions = None,
     first_order: FirstOrder = True,
-    samples: Annotated[int, Option(min=8, help="Without --plan: samples of all tolerances and seeds of the scene.")] = 100,
+    samples: Annotated[
+        int | None, Option(min=8, help="Without --plan: samples of all tolerances and seeds of the scene. Default: 100.")
+    ] = None,
     output: Output = Path("uncertainty"),
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out
@@ -174,7 +176,10 @@ def uncertainty(
     from ..harness.report import answers
     from ..systems import many
 
-    limited: dict[str, Any] = {"limits": limits, "conditions": condition or (), "first_order": first_order, "samples": samples}
+    limited: dict[str, Any] = {"limits": limits, "conditions": condition or (), "first_order": first_order}
+    if plan is not None:
+        refuse({"--samples": samples}, "no effect with --plan, which has its own")
+    limited |= {"samples": samples} if samples is not None else {}
     answer = many.uncertainty(runs.scene, plan, output, quantities=quantity or [], progress=True, **limited, **runs.how)
     stopped_early(answer.sweep)
     written = [*answer.save(output), answers.for_uncertainty(answer, output)]

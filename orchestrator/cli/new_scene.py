@@ -13,9 +13,10 @@ from typer import Argument, Option
 from ...components.core.errors import BadInput, pick
 from .common import is_scene, print_written, warn
 from .new import new
-from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, share
+from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, refuse, share
 
 File = Annotated[Path, Argument(metavar="FILE.toml", help="File for the template.")]
+PRESET, APART, SPEED = "EN 50318:2018", "200 m", "250 km/h"  # of pantographs under a line
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
     "contact_tension": ("contact_wire", "tension", "N"),
     "contact_mass": ("contact_wire", "mass", "kg/m"),
@@ -128,12 +129,10 @@ def scene(
     source: Annotated[str, Option("--from", metavar="SCENE", help="Copy this shipped scene instead.")] = "",
     line: Annotated[Path | None, Option(help="Put pantographs under the line of this table instead.")] = None,
     droppers: Annotated[Path | None, Option(help="CSV of droppers of the line.")] = None,
-    pantograph: Annotated[
-        str, Option(help="Preset of Pantograph, or a file of cosimo railway fit-pantograph.")
-    ] = "EN 50318:2018",
+    pantograph: Annotated[str, Option(help="Preset of Pantograph, or a file of cosimo railway fit-pantograph.")] = PRESET,
     pantographs: Annotated[int, Option(min=1, max=4, help="Number of pantographs.")] = 1,
-    distance: Annotated[str, Option(help="Distance between two pantographs, in m or with a unit.")] = "200 m",
-    speed: Annotated[str, Option(help="Speed of the train.")] = "250 km/h",
+    distance: Annotated[str, Option(help="Distance between two pantographs, in m or with a unit.")] = APART,
+    speed: Annotated[str, Option(help="Speed of the train.")] = SPEED,
     static_force: Annotated[str, Option(help="Static force of a fitted pantograph, as in 70 N.")] = "",
     working_height: Annotated[
         str,
@@ -159,6 +158,10 @@ def scene(
         raise BadInput("new scene", " and ".join(given) or "nothing to make it of", "units, or --line, or --from")
     if table is not None and not units:
         raise BadInput("new scene", "--input without units", "units whose inputs the table drives")
+    if line is None:
+        texts = {"--static-force": static_force, "--working-height": working_height, "--temperature": temperature, "--wear": wear}
+        others = {"--pantograph": pantograph != PRESET, "--pantographs": pantographs > 1, "--distance": distance != APART}
+        refuse({"--droppers": droppers, **texts, **others, "--speed": speed != SPEED}, "no effect without --line")
     tables: dict[Path, bytes] = {}
     if source:
         text, tables = _copied_scene(file, source)

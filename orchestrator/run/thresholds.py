@@ -68,9 +68,8 @@ ENERGY = 0.1  # of the energy exchanged at a bond that the coupling makes: ampli
 # -- whether the coupling lets disturbances grow, in `stability` ---------------------------------------------------------------
 SAME_MAP = 1e-6  # relative difference of the derivatives of a macro step at two instants that are one
 AT_REST = 1e-5  # distance from 1 of the eigenvalues of a free body, which come in pairs: rounding parts them by 1e-8 and more
-EXCESS = (
-    5.0  # growth in a run, as a logarithm, that it may show by chance; where a push grows in every part of it, `GROWN` is enough
-)
+# growth in a run, as a logarithm, that it may show by chance; where a push grows in every part of it, `GROWN` is enough
+EXCESS = 5.0
 FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
 
 # -- what rows leave of a figure, in `sampling` --------------------------------------------------------------------------------

@@ -176,11 +176,12 @@ class Session(Estimating):
     @property
     def seeds(self) -> list[str]:
         """Parameters of the scene that are a seed, by name; of effects that are on."""
+        interfaces = self.scene.coupling.interfaces
         return [
             f"{unit}.{name}"
             for unit, cls in self.scene.component_classes.items()
             for name, v in cls.variables.items()
-            if v.structural == SEED and name.rpartition(".")[0] in {*self.scene.units[unit].effects, ""}
+            if v.structural == SEED and ("." not in name or interfaces[unit].effects.get(name.rpartition(".")[0]))
         ]
 
     def close(self) -> None:

@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ...components.core.errors import BadInput, StepFailed
+from ...components.core.measure import STANDARD_GRAVITY
 from ...components.core.rotation import to_body, to_world
 from .interface import PortValues, Simulator
 
@@ -40,7 +41,6 @@ MOTION = {
     "yaw_rate": "rad/s",
 }
 NEUTRAL, HALF_RANGE = 1500.0, 400.0  # us; a pulse of 1100 to 1900 us is a command of -1 to 1, as of the usual thrusters
-GRAVITY = 9.80665  # m/s²
 PATIENCE = 30.0  # s; an autopilot without an answer repeats its packet after 10 s
 LARGEST = 2048  # bytes that are read of a packet
 
@@ -127,7 +127,7 @@ class ArduPilot(Simulator):
             "timestamp": t,
             "imu": {
                 "gyro": [m["roll_rate"], m["pitch_rate"], m["yaw_rate"]],
-                "accel_body": list(to_body(*q, mean[0], mean[1], mean[2] - GRAVITY)),
+                "accel_body": list(to_body(*q, mean[0], mean[1], mean[2] - STANDARD_GRAVITY)),
             },
             "position": [m["position_north"], m["position_east"], m["depth"]],
             "velocity": list(velocity),

@@ -31,9 +31,9 @@ def export(
 
     Headers have the units of measure, as in "arm.angle [rad]", so that a scene reads the file as signals. Numbers keep every bit.
     separator: of cells, "," or ";" or a tab; decimal: sign of decimals, "." or ",": both of CSV only. A workbook leaves the cell of
-    a number that is not finite empty. MAT 5: "arm.angle" is the variable arm_angle, an array a matrix with a row for each time, and
-    the struct `units` has their units. Raises `BadInput` for another ending, an unknown signal, a dialect that cannot be read
-    again, more than the format holds, and where nothing can be written.
+    a number that is not finite empty. MAT 5: "arm.angle" is the variable arm_angle, an array a matrix with a row for each time,
+    some of its elements a variable each, and the struct `units` has their units. Raises `BadInput` for another ending, an unknown
+    signal, a dialect that cannot be read again, more than the format holds, and where nothing can be written.
     """
     path = Path(path)
     writer = WRITERS.get(path.suffix.lower())
@@ -101,9 +101,13 @@ def _mat(file: IO[bytes], result: Recorded, names: list[str], *_: str) -> None:
     arrays = dict[str, list[str]]()
     for name in names:
         arrays.setdefault(name.partition("[")[0], []).append(name)
+    for array, elements in [*arrays.items()]:  # some elements, or in another order, would be columns that nobody can tell apart
+        if elements not in ([array], [f"{array}[{k}]" for k in range(1, 1 + len(elements))]):
+            del arrays[array]
+            arrays |= {name: [name] for name in elements}
     content, units, source = dict[str, Any](time=result.time), {"time": "s"}, {"time": "time"}
     for array, elements in arrays.items():
-        name = re.sub(r"\W", "_", array, flags=re.ASCII)[:MAT_NAME]
+        name = re.sub(r"\W", "_", array.removesuffix("]"), flags=re.ASCII)[:MAT_NAME]
         if name in source:
             raise BadInput(
                 "export", f"{array} and {source[name]}, both {name} in MATLAB", "different names", "Export one of both."

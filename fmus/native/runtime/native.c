@@ -47,7 +47,6 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
     return 0;
 }
 
-
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 
 void begin_cells(void *cells, uint32_t first, uint32_t end) {

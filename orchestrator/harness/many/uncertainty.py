@@ -15,12 +15,11 @@ from typing import Any, Unpack
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ....components.core.variables import SEED
 from ...output import write_table
 from ...scene.scene import Scene
 from ...scene.tolerances import tolerances_of
+from ...session.session import Session
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
-from ...units.component import make
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
 from .first_order import first_order as by_derivatives
@@ -189,10 +188,7 @@ def plan_of_tolerances(scene: Scene, samples: int) -> dict[str, Any]:
         vary = {name: {"distribution": "normal", "mean": mean, "deviation": deviation} for name, mean, deviation in numbers}
         for pair, r in scene.correlations.items():
             correlation.append([*(name.strip() for name in pair.split(",")), r])
-    for unit in scene.component_classes:
-        component = make(unit, scene.units[unit])
-        seeds = (v.name for v in component.variables.values() if v.structural == SEED and component.is_active(v.name))
-        vary |= {f"{unit}.{name}": list(range(SEEDS)) for name in seeds}
+    vary |= {name: list(range(SEEDS)) for name in Session(scene).seeds}
     if not vary:
         raise BadInput(
             f"{scene.name}: tolerances",

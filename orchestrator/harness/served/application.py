@@ -20,7 +20,6 @@ from ..report.page import asset
 from .held import HeldScene
 
 HOSTS = ["127.0.0.1", "localhost"]
-KINDS = {".csv": "text/csv", ".mat": "application/octet-stream", ".xlsx": "application/octet-stream"}
 
 
 def application(scene: Scene, held: HeldScene, thread: Executor) -> Any:
@@ -61,7 +60,7 @@ def application(scene: Scene, held: HeldScene, thread: Executor) -> Any:
         if status != 200:
             return JSONResponse(content, status)
         name = {"content-disposition": f'attachment; filename="signals{suffix}"'}
-        return Response(content, media_type=KINDS.get(suffix, "text/csv"), headers=name)
+        return Response(content, media_type="application/octet-stream", headers=name)
 
     page = HTMLResponse(page_of(scene))
     plotly = Response(library("plotly.offline", "explore", "plotly").get_plotlyjs(), media_type="text/javascript")

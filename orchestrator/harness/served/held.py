@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 from ....components.core.errors import BadInput, StepFailed
 from ...run.comparison import differences, needs_third, signal_errors
 from ...run.results import Result
+from ...run.run_record import known
 from ...scene.names import declared
 from ...scene.scene import Scene
 from ...scene.shorter_steps import shorter
@@ -64,7 +64,7 @@ class HeldScene:
         driven = {link.target for link in (*scene.coupling.links, *scene.coupling.texts)}
         free = [s for n, s in interface.inputs.items() if (name, n) not in driven and not s.is_text]
         parameters = []
-        for variable in declared(scene, name):
+        for variable, declaration in declared(scene, name).items():
             if variable in interface.inputs or variable in interface.outputs:
                 continue
             try:
@@ -72,9 +72,7 @@ class HeldScene:
             except BadInput:  # of an effect that is off, or nothing that has a value before the start
                 continue
             if isinstance(value, bool | float | int | str):
-                parameters.append(
-                    {"name": variable, "unit": getattr(declared(scene, name)[variable], "unit", ""), "value": value}
-                )
+                parameters.append({"name": variable, "unit": declaration.unit, "value": value})
         return {
             "name": name,
             "title": interface.title,
@@ -123,7 +121,7 @@ class HeldScene:
                     continue
                 session.until(target)
                 times.append(session.time)
-                rows.append([v if isfinite(v) else None for v in session.values(names).tolist()] if names else [])
+                rows.append([known(v) for v in session.values(names).tolist()] if names else [])
         except StepFailed as error:
             self.failure = str(error)
         return {"times": times, "rows": rows, "time": session.time, "done": session.done, "failure": self.failure}
@@ -150,7 +148,7 @@ class HeldScene:
         first = differences(result, half := self._again(2, end))
         second = differences(half, self._again(4, end)) if needs_third(first) else None
         return [
-            {"name": name, "rms": _number(one.rms), "largest": _number(one.largest), "parted": one.parted}
+            {"name": name, "rms": known(one.rms), "largest": known(one.largest), "parted": one.parted}
             for name, one in signal_errors(first, second).items()
         ]
 
@@ -174,7 +172,3 @@ class HeldScene:
 
 def _input(signal: Signal, value: Any) -> dict[str, Any]:
     return {"name": signal.name, "unit": signal.unit, "value": value, "kind": signal.kind, "nominal": signal.nominal}
-
-
-def _number(value: float) -> float | None:
-    return value if isfinite(value) else None

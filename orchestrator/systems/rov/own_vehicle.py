@@ -27,7 +27,8 @@ import numpy as np
 
 from ....components.core.errors import BadInput, pick
 from ....components.core.files import read_bytes
-from ....components.rov.controller import RovController
+from ....components.core.measure import STANDARD_GRAVITY
+from ....components.rov.controller import NAVIGATION, RovController
 from ....components.rov.thrust_curve import T200_COMMAND, T200_THRUST
 from ....components.rov.vehicles import AXES
 from ...scene.files import read_toml
@@ -40,7 +41,6 @@ VECTORS = ("inertia", "centre_of_gravity", "centre_of_buoyancy")
 MATRICES = {"added_mass": "added_mass", "linear_damping": "linear_drag", "quadratic_damping": "quadratic_drag"}
 KEYS = ("title", "source", "axes", "signs", *NUMBERS, *VECTORS, *MATRICES, "thrusters")
 UNEQUAL = 1e-3  # of what both have on the diagonal: by so much two halves of a printed added mass may differ
-GRAVITY = 9.80665  # m/s²
 DEFAULT_MASS = 11.5  # kg, of the vehicle that the controller's gains are for
 GAINS = {  # of the controller -> power of the ratio of lengths that keeps the motion similar (Froude): mass 3, time 1/2
     "position_gain": 2.0,
@@ -105,7 +105,7 @@ def read_vehicle(path: Path) -> dict[str, Any]:
     for key in VECTORS:
         vehicle[key] = array(data.get(key, [0.0] * 3), (3,), f"{path}: {key}") * (1.0 if key == "inertia" else flip[:3])
     if "weight" not in data:
-        vehicle["weight"] = vehicle["mass"] * GRAVITY
+        vehicle["weight"] = vehicle["mass"] * STANDARD_GRAVITY
     if "buoyancy" not in data:
         vehicle["buoyancy"] = vehicle["weight"]
     for key in MATRICES:
@@ -254,8 +254,7 @@ def vehicle_scene(path: Path, sensors: bool = False) -> dict[str, Any]:
         "record": {
             "signals": [
                 *(f"hull.{n}" for n in ("position_north", "position_east", "depth", "roll", "pitch", "yaw", "attitude_valid")),
-                *(f"hull.quaternion_{a}" for a in "wxyz"),
-                *(f"hull.{a}" for a in ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")),
+                *(f"hull.{n}" for n in NAVIGATION[3:]),
                 *(f"controller.error_{a}" for a in ("north", "east", "down", "roll", "pitch", "yaw")),
                 *(f"controller.{c}" for c in command),
                 "controller.scale",

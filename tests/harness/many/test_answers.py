@@ -281,6 +281,10 @@ def test_without_a_plan_all_tolerances_and_seeds_are_drawn(capsys):
         main(["uncertainty", "mass-on-spring", "--quantity", "mass.base_x, maximum"])
     assert end.value.code == 2
     assert "no effect with a seed" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as end:
+        main(["uncertainty", "mass-on-spring", "--plan", "plan.toml", "--samples", "20"])
+    assert end.value.code == 2
+    assert "--samples: no effect with --plan" in capsys.readouterr().err
 
 
 def test_samples_of_tolerances_have_their_deviation():
