@@ -10,7 +10,7 @@ from tomllib import TOMLDecodeError, loads
 
 from typer import Context
 
-SCENE_FILES = (".toml", ".ssd", ".ssp")
+SCENE_FILES = (".toml", ".ssd", ".ssp", ".xml")
 SYSTEMS = Path(__file__).parents[1] / "systems"
 
 

@@ -164,6 +164,7 @@ def run(
     --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
     from ..judgement.verification import run_verified
+    from ..scene.files import SCENES
     from . import run_parts
 
     recorded = listed("--record", record) if record else None
@@ -177,7 +178,7 @@ def run(
     }
     loaded = loaded_scene(scene, given)
     if table is not None:
-        whole = not scene.endswith((".toml", ".ssd", ".ssp")) and not is_scene(scene)
+        whole = not scene.endswith(SCENES) and not is_scene(scene)
         loaded = loaded.with_input(table, whole=whole and start is None and stop is None)
     effects_within = _tolerance_of_effects(effects, tolerance)
     changes = switched_on(loaded, effects) if effects_within is None else {}

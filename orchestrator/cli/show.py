@@ -15,7 +15,7 @@ from .completion import anything
 from .options import AsJson, Changes, Presets, parameters_of
 from .railway import show_line
 
-FILES = (".toml", ".ssd", ".ssp", ".fmu")
+FILES = (".toml", ".ssd", ".ssp", ".xml", ".fmu")
 
 
 @app.command()
@@ -54,7 +54,7 @@ def show(
 
     component = name in CATALOGUE or (":" in name and not name.endswith(FILES))
     if not component and name not in scene_files() and (Path(name).suffix or (Path(name).is_dir() and name not in cases())):
-        refuse_other(name, "scene", "line", "FMU", "SSP")
+        refuse_other(name, "scene", "line", "FMU", "SSP", "OSP")
     scene = not component and (name in scene_files() or name.endswith(FILES))
     for option, given, possible in (("--preset", presets, component or scene), ("--time", timed, component)):
         if given and not possible:

@@ -10,6 +10,7 @@ from typing import Any
 from ...components.catalogue import component_name
 from ...components.core.component import Component
 from ..units.kinds import entry_of
+from .files import SCENES
 
 
 def unit(
@@ -27,7 +28,7 @@ def unit(
     settings: what else a unit of a scene may say, such as {"every": 2, "isolation": "process"}.
     """
     text = component_name(what) if isinstance(what, type) else str(what)
-    entry = {"scene": text} if text.endswith((".toml", ".ssd", ".ssp")) else entry_of(text)
+    entry = {"scene": text} if text.endswith(SCENES) else entry_of(text)
     given = {"effects": list(effects), "preset": preset, "parameters": parameters}
     return {**entry, **{key: value for key, value in given.items() if value}, **(settings or {})}
 

@@ -21,12 +21,13 @@ FILE_KINDS = {  # kind -> what it is, and what reads it
     "design": ("the settings of a design", "cosimo design SCENE --plan FILE"),
     "FMU": ("an FMU", "cosimo run FILE or cosimo check FILE"),
     "SSP": ("an SSP system", "cosimo run FILE"),
+    "OSP": ("a system structure of Open Simulation Platform", "cosimo run FILE"),
     "CSV": ("a CSV table", "the file or option that names it, such as cosimo new line, --droppers or file = of a curve"),
     "result": ("the results of a run", "cosimo compare DIR or cosimo open DIR"),
     "report": ("the results of a study", "cosimo open DIR"),
     "folder": ("a folder", ""),
 }
-SUFFIXES = {".fmu": "FMU", ".ssp": "SSP", ".ssd": "SSP", ".csv": "CSV"}
+SUFFIXES = {".fmu": "FMU", ".ssp": "SSP", ".ssd": "SSP", ".xml": "OSP", ".csv": "CSV"}
 KEYS = {  # kind of a TOML file -> keys of which one shows it; the first kind that fits counts
     "scene": ("units",),
     "line": ("sections",),

@@ -1,4 +1,4 @@
-"""Files of scenes: TOML, .ssd and .ssp; shipped ones by their name."""
+"""Files of scenes: TOML, and systems of other tools; shipped ones by their name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what 
 ARCHIVE = (
     "This cosimo is imported from an archive, in which it does not find its scenes and tables. Install it, or unpack the archive."
 )
-SYSTEMS = (".ssd", ".ssp")
+SYSTEMS = (".ssd", ".ssp", ".xml")  # of SSP, and of Open Simulation Platform
+SCENES = (".toml", *SYSTEMS)
 
 
 def shipped(folder: str, suffix: str) -> dict[str, Path]:
@@ -34,7 +35,7 @@ def scene_files() -> dict[str, Path]:
 def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | None = None) -> Path:
     """The file of a shipped scene by its name, or a path, relative to `folder`."""
     path = Path(name_or_path)
-    if path.suffix in (".toml", *SYSTEMS):
+    if path.suffix in SCENES:
         return path if folder is None else folder / path
     files = scene_files()
     if str(name_or_path) not in files:
@@ -42,7 +43,7 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
         raise BadInput(
             where,
             repr(str(name_or_path)),
-            "a shipped scene or the path of a .toml, .ssd or .ssp file",
+            "a shipped scene or the path of a .toml, .ssd or .ssp file, or of an OspSystemStructure.xml",
             nearest(str(name_or_path), files) if files else ARCHIVE,
         )
     return files[str(name_or_path)]

@@ -189,7 +189,7 @@ class Scene(SceneSettings):
 
 
 def load_scene(name_or_path: str | Path, systems: KnownSystems = NO_SYSTEMS, changes: Mapping[str, Any] | None = None) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `systems`: see `read_scene`.
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd, .ssp or .xml. `systems`: see `read_scene`.
 
     changes: by name, as of `Scene.with_changes`; those outside of units are judged with what the file says.
     """

@@ -138,7 +138,7 @@ class SubsystemSettings(Model):
     What belongs to that scene's own runs is not taken over: stop time, master, records, faults, sweep, analysis, study.
     """
 
-    scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd or .ssp file, relative to this one")
+    scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd, .ssp or .xml file, relative to this one")
     parameters: Parameters = Field(default={}, description="unit.parameter of the scene, in the place of its own values")
 
 

@@ -17,6 +17,7 @@ from ..renamed import OUTPUT
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
 from ..scene.file_kinds import refuse_other
+from ..scene.files import SCENES
 from ..units.description import default_experiment
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ KNOWN_SYSTEMS = scenes.KnownSystems({name: system.keys for name, system in SYSTE
 
 
 def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`.
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd, .ssp or .xml. Faults are one `BadInput`.
 
     A component of the catalogue, "module:Class" or an FMU is a scene of it alone, over the run and with the step that it declares.
     changes: by name, as of `Scene.with_changes`; settings outside of units, such as {"master.step": 1e-3}, are judged with what the
@@ -90,7 +91,7 @@ def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
         times, remarks = default_experiment(path, changes)
         data = {"title": path.name, "units": {FMU_ALONE: {"fmu": path.name}}, **times}
         return scenes.read_changed(data, changes, path.stem, path.parent, remarks, KNOWN_SYSTEMS)
-    if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
+    if name in CATALOGUE or (":" in name and not name.endswith(SCENES)):
         cls = component_class(name, "scene")
         data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
         return scenes.read_changed(data, changes, cls.__name__, systems=KNOWN_SYSTEMS)

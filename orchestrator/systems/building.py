@@ -62,12 +62,10 @@ def is_scene(what: What) -> bool:
     """Whether it is a scene, the name of one or a scene's file, and no component."""
     if isinstance(what, Scene):
         return True
-    from ..scene.scene import scene_files
+    from ..scene.files import SCENES, scene_files
 
     text = str(what)
-    return not isinstance(what, type) and (
-        text.endswith((".toml", ".ssd", ".ssp")) or (text not in CATALOGUE and text in scene_files())
-    )
+    return not isinstance(what, type) and (text.endswith(SCENES) or (text not in CATALOGUE and text in scene_files()))
 
 
 def pythonfmu(what: What, output: Path, derivatives: bool, evidence: bool, say: Say = nullcontext) -> Path:

@@ -49,7 +49,7 @@ class Flat:
         for path, element in self.elements.items():
             for each in element.connections:
                 self._connect(path, element, each)
-        self.components = {path: e for path, e in self.elements.items() if e.fmu is not None}
+        self.components = {path: e for path, e in self.elements.items() if e.fmu is not None or e.component}
         self.names = _unit_names(list(self.components), names)
         self.connections = list(self._links())
         self._values = self._assigned(root, ())
@@ -225,6 +225,8 @@ class Flat:
 
     def _settings(self, path: Path, element: Element) -> dict[str, Any]:
         """The settings of a unit."""
+        if element.component:
+            return {"component": element.component}
         assert element.description is not None
         scalars, effects, parameters = element.description.scalars, [], {}
         driven: list[str] = []

@@ -116,7 +116,7 @@ class Package:
                 pieces.append(name)
         if not pieces or names[-1] in ("", ".", ".."):
             raise self._refused(uri, where)
-        if ".." in pieces:
+        if ".." in pieces and self.name.endswith(".ssd"):
             self.remarks.append(f"{where}: source {uri!r} lies outside the folder of {self.name}; an .ssp archive cannot have it")
         return "/".join(pieces)
 
@@ -151,7 +151,7 @@ def _written(path: Path, content: bytes) -> Path:
 
 
 def opened(path: Path) -> tuple[Package, str]:
-    """The package of an .ssd or .ssp file, and the name of the description in it."""
+    """The package of a system's file, and the name of the description in it."""
     if path.suffix == ".ssp":
         return Package.zipped(str(path), path), DEFAULT
     return Package(str(path), folder=path.parent), path.name

@@ -40,7 +40,7 @@ class Transformation:
 
     def entries(self, where: str) -> dict[str, bool | int | float | str]:
         """Of the table, with the values of its targets."""
-        return {source: _plain(self.type, target, where) for source, target in (self.table or {}).items()}
+        return {source: plain(self.type, target, where) for source, target in (self.table or {}).items()}
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Value:
             key = str(self.value).lower() if self.type == "Boolean" else str(self.value)
             if t.type != self.type or key not in t.table:
                 raise BadInput(where, f"{self.type} {self.value!r}", f"a {t.type} among {', '.join(t.table)}, for this mapping")
-            return replace(self, value=_plain(self.type, t.table[key], where))
+            return replace(self, value=plain(self.type, t.table[key], where))
         if (t.factor, t.offset) == (1.0, 0.0):
             return self
         if self.type not in ("Real", "Integer"):
@@ -169,12 +169,12 @@ def _values(node: etree._Element, name: str, measures: Mapping[str, Measure], wh
         if len(texts) != prod(sizes):
             raise BadInput(where, f"{len(texts)} values of {name!r}", f"{prod(sizes)}, as its dimensions say")
         indices = [f"[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in sizes))] if sizes else [""]
-        yield from ((name + i, Value(type_, _plain(type_, t, where), measure)) for i, t in zip(indices, texts, strict=True))
+        yield from ((name + i, Value(type_, plain(type_, t, where), measure)) for i, t in zip(indices, texts, strict=True))
         return
     raise BadInput(where, f"parameter {node.get('name')!r} of no known type", "a Real, Integer, Boolean, String or Enumeration")
 
 
-def _plain(type_: str, text: str, where: str) -> bool | int | float | str:
+def plain(type_: str, text: str, where: str) -> bool | int | float | str:
     """The text of a value as Python's kind of it."""
     if type_ == "Boolean":
         return truth(text, "value", where)

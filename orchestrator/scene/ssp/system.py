@@ -36,6 +36,7 @@ TYPES = {
     **dict.fromkeys(WHOLES, "integer"),
 }
 UNREAD = ("Clock",)
+STEPS = {"FixedStepAlgorithm": "baseStepSize", "FixedStepMaster": "stepSize"}  # of libcosim and of OMSimulator
 DEEPEST = 32  # systems in systems; more of them is a file that contains itself
 MOST = 10_000  # elements; files that each name the next one twice would make millions
 
@@ -71,6 +72,7 @@ class Element:
     elements: tuple[Element, ...] = ()
     connections: tuple[Connection, ...] = ()
     fmu: Path | None = None
+    component: str = ""  # "module:Class" of a function of the system itself, which no FMU has
     description: Description | None = None
     measures: Mapping[str, Measure] = field(default_factory=dict)  # that the FMU defines
     arrays: dict[str, list[str]] = field(default_factory=dict)  # elements of connectors that are arrays
@@ -85,7 +87,9 @@ class Element:
         return named(self.fmu_unit(variable), self.measures)
 
     def fmu_unit(self, variable: str) -> str:
-        """The name of the unit of measure that the FMU itself gives a variable, or ""."""
+        """The name of the unit of measure that the FMU itself gives a variable, or ""; numbers are what a function has."""
+        if self.component:
+            return "1"
         scalar = self.description.scalars.get(variable) if self.description else None
         return scalar.unit if scalar is not None else ""
 
@@ -109,6 +113,25 @@ class Document:
         if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or version[:2] not in ("1.", "2."):
             raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0 or 2.0")
         self.measures = definitions(self.root, "ssd", self.where)
+
+    @property
+    def title(self) -> str:
+        """What the file says of the system, or its name."""
+        return self.root.get("description") or self.root.get("name", "")
+
+    def times(self) -> tuple[float | None, float | None]:
+        """Start and end of the default experiment, s; None for what is not given."""
+        given: list[float | None] = [None, None]
+        for node, (k, key) in product(find_all(self.root, "ssd:DefaultExperiment"), enumerate(("startTime", "stopTime"))):
+            if node.get(key) is not None:
+                given[k] = number(node, key, 0.0, self.where)
+        return given[0], given[1]
+
+    def step(self) -> float | None:
+        """The macro step of an annotation of other tools, s."""
+        for node in self.root.iter(*(f"{{*}}{name}" for name in STEPS)):
+            return number(node, STEPS[etree.QName(node).localname], 0.0, self.where)
+        return None
 
     def system(self, depth: int = 0, of: str = "") -> Element:
         """The root system, or the one with the id `of`, with all that is in it. `depth`: systems around it."""
