@@ -174,6 +174,17 @@ class AngularContactConductance(KernelComponent):
     axial_displacement = output("m", "axial displacement of the inner ring", nominal=1e-5, feedthrough=DEPENDS)
     radial_displacement = output("m", "radial displacement of the inner ring", nominal=1e-5, feedthrough=DEPENDS)
 
+    symbols = {  # as of `DeepGrooveBearing`
+        "Z": "balls",
+        "Dw": "ball_diameter",
+        "Dpw": "pitch_diameter",
+        "fi": "inner_conformity",
+        "fe": "outer_conformity",
+        "alpha": "contact_angle",
+        "B": "width",
+        "d": "ring_walls.bore",
+        "D": "ring_walls.outside_diameter",
+    }
     presets = {
         "7008C": Preset(
             {"balls": 16, "ball_diameter": 7.938e-3, "pitch_diameter": 54e-3, "inner_conformity": 0.52, "outer_conformity": 0.53,

@@ -226,6 +226,17 @@ class DeepGrooveBearing(KernelComponent):
     inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
     cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 
+    symbols = {  # ISO 281 and ISO/TS 16281; conformities f, and the clearance G_r of ISO 5753, as data sheets write them
+        "Z": "balls",
+        "Dw": "ball_diameter",
+        "Dpw": "pitch_diameter",
+        "fi": "inner_conformity",
+        "fe": "outer_conformity",
+        "Gr": "diametral_clearance",
+        "d": "friction.bore_diameter",
+        "C": "rating_life.load_rating",
+        "Cu": "life_factor.fatigue_load_limit",
+    }
     presets = {
         "6205": Preset(
             {"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3},

@@ -107,6 +107,7 @@ class Component:
     system: ClassVar[str] = ""
     needs_scipy: ClassVar[bool] = False
     presets: ClassVar[Mapping[str, Preset]] = {}
+    symbols: ClassVar[Mapping[str, str]] = {}  # of tables of the trade -> name of the parameter
     counters: ClassVar[tuple[str, ...]] = ("steps", "derivative_calls")
     default_step: ClassVar[float] = 1e-3  # s, macro step of the FMU's default experiment
     default_stop: ClassVar[float] = 1.0  # s

@@ -40,7 +40,7 @@ def balls(
     effects: Annotated[
         str, Option(metavar="NAME[,...]", help="Effects of DeepGrooveBearing, for example film, which follows the speed.")
     ] = "damping",
-    preset: Annotated[str, Option(help="Published parameters of DeepGrooveBearing.")] = "",
+    preset: Annotated[str, Option(help="Published parameters of DeepGrooveBearing, or file.csv:row.")] = "",
     position: Position = "0 m",
     output: Output = Path("bearing"),
 ) -> None:
@@ -49,12 +49,19 @@ def balls(
     The mean of the tangents at the static equilibrium as balls pass; the inner ring does not tilt. The balls have no inertia, so
     that nothing but a film follows the speed.
     """
+    from ...components.bearings.deep_groove import DeepGrooveBearing
+    from ..scene.data_sheets import names_a_file, sheet_parameters
     from ..systems.bearings.support_tables import ball_rows
 
+    on, given = listed("--effects", [effects] if effects else []), {}
+    if names_a_file(preset):
+        given, remarks = sheet_parameters(preset, DeepGrooveBearing, on)
+        warn(remarks)
+        preset = ""
     across = _load(load, 3)
     turning, place = _speeds(speeds), number_given(position, "m", "--position")
     with status_spinner("looking for equilibria"):
-        rows = ball_rows(parameters_of(values), listed("--effects", [effects] if effects else []), preset, across, turning)
+        rows = ball_rows(given | parameters_of(values), on, preset, across, turning)
     _deliver(rows, place, output)
 
 

@@ -296,14 +296,23 @@ def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
 
 
 def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
-    """Changes of a scene that give units published parameters, each given as "unit=preset"."""
-    changes, classes = {}, scene.component_classes
+    """Changes of a scene that give units published parameters, each given as "unit=preset", or those of a row as "unit=file.csv:row"."""
+    from ..scene.data_sheets import names_a_file, sheet_parameters
+
+    changes: dict[str, Any] = {}
+    classes = scene.component_classes
     for text in texts:
         unit, equals, preset = (part.strip() for part in text.partition("="))
         if not (equals and preset):
             raise BadInput("--preset", repr(text), "unit=preset", "As in pantograph=DSA380.")
         if unit not in classes:
             raise BadInput("--preset", f"unit {unit!r}", "a component of the scene", nearest(unit, classes))
+        if names_a_file(preset):
+            on = [effect for effect, by in scene.coupling.interfaces[unit].effects.items() if by]
+            values, remarks = sheet_parameters(preset, classes[unit], on)
+            warn(remarks)
+            changes |= {f"{unit}.{name}": value for name, value in values.items()}
+            continue
         pick(preset, classes[unit].presets, "--preset", f"a preset of {scene.kinds[unit].label}")
         changes[f"units.{unit}.preset"] = preset
     return changes

@@ -63,9 +63,9 @@ Presets = Annotated[
     list[str] | None,
     Option(
         "--preset",
-        metavar="[UNIT=]NAME",
+        metavar="[UNIT=]NAME|UNIT=FILE.csv[:ROW]",
         autocompletion=presets,
-        help="Use published parameters of a component instead of the scene's own. May be repeated.",
+        help="Use published parameters of a component instead of the scene's own, or those of a row of a table. May be repeated.",
     ),
 ]
 Over = Annotated[

@@ -182,7 +182,7 @@ def run(
         loaded = loaded.with_input(table, whole=whole and start is None and stop is None)
     effects_within = _tolerance_of_effects(effects, tolerance)
     changes = switched_on(loaded, effects) if effects_within is None else {}
-    changes |= changes_of(loaded, values, presets)
+    changes |= changes_of(loaded.with_changes(changes), values, presets)
     changes |= {"record.signals": recorded} if recorded else {}  # of effects that are switched on, too
     changes |= _isolated(loaded) if isolate else {}
     loaded = changed(loaded, changes)

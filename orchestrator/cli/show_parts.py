@@ -189,7 +189,8 @@ def of_scene(
 ) -> tuple[dict[str, Any], Drawing]:
     """A scene's title and tables, and its drawing."""
     scene = loaded_scene(name)
-    scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})
+    scene = scene.with_changes(switched_on(scene, effects))
+    scene = scene.with_changes(changes_of(scene, values, presets))
     closed = not_executed(scene)
     try:
         path = SteppingPath((), ()) if closed else stepping_path(scene)

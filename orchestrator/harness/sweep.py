@@ -92,7 +92,7 @@ def sweep(
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
     settings = sweep_settings(scene) if plan is None else plan_settings(plan, scene=scene)
-    settings = with_rows(settings, table=limits, conditions=conditions)
+    settings = with_rows(settings, table=limits, conditions=conditions, scene=scene)
     chosen = plan_of(scene, _with_more(settings, add), cube)
     task = Task.of(scene, settings.keep, summarize)
     check_analysis(task.scene())

@@ -149,6 +149,7 @@ class ShippedCaseSettings(Model):
     about: str = Field(default="", description="what the numbers of the table are of")
     measures: str = Field(default="", description='"module:function" that gives the measures of the rows of any run')
     rules: str = Field(default="", description='"module:function" that says of a run which conditions hold')
+    scene_conditions: str = Field(default="", description='"module:function" that says which hold for all runs of a scene')
     check: str = Field(default="", description='"module:function" that refuses a scene with nothing to compare')
     sources: dict[str, str] = Field(default={}, description="of rows, by the keys in their column")
     claims: tuple[dict[str, Any], ...] = Field(default=(), description="of a paper")

@@ -144,8 +144,8 @@ def design(
     depends on it. Raises `BadInput`, also where the start cannot be run, and `Stopped` where a signal has ended it.
     """
     data, name, folder = read_settings(settings, "design", scene)
-    wanted = with_rows(validated(DesignSettings, data, name), folder)
-    wanted = with_rows(wanted, table=limits, conditions=conditions)
+    wanted = with_rows(validated(DesignSettings, data, name), folder, scene=scene)
+    wanted = with_rows(wanted, table=limits, conditions=conditions, scene=scene)
     several = len(wanted.aims) > 1
     if several:
         check_pymoo()

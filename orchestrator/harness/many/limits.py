@@ -4,24 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ....components.core.errors import BadInput, pick
 from ...scene.file_kinds import refuse_other
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
-from ..validation.reference import MISSING, Table, TableRow, functions, load_table, rows_of, table_files, table_rows
+from ..validation.reference import (
+    MISSING,
+    Table,
+    TableRow,
+    functions,
+    load_table,
+    named_function,
+    rows_of,
+    table_files,
+    table_rows,
+)
 from .columns import as_column, column_name
+
+if TYPE_CHECKING:
+    from ...scene.scene import Scene
 
 S = TypeVar("S", PlanSettings, DesignSettings)
 Limits = Mapping[str, LimitSettings]
 
 
-def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: Sequence[str] = ()) -> S:
+def with_rows(
+    settings: S, folder: Path = Path(), table: str = "", conditions: Sequence[str] = (), scene: Scene | None = None
+) -> S:
     """A plan or a design with the rows of its table among its limits, and what gives their measures among what is kept.
 
-    `folder`: of a table's file.  `table`, `conditions`: another table than that of the settings.  Raises `BadInput`.
+    `folder`: of a table's file.  `table`, `conditions`: another table than that of the settings.  `scene`: of the runs, which says which
+    conditions hold where none is given and the table can tell.  Raises `BadInput`.
     """
     wanted_rows = RowsSettings(table=table, conditions=tuple(conditions)) if table else settings.rows
     if conditions and not table:
@@ -29,6 +45,9 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     if wanted_rows is None:
         return settings
     given = table_of(wanted_rows.table, Path() if table else folder)
+    if scene is not None and given.scene_conditions and settings.vary and not wanted_rows.conditions:
+        held = named_function(given.scene_conditions)(scene, settings.vary)
+        wanted_rows = wanted_rows.model_copy(update={"conditions": tuple(held)})
     function = given.measures
     chosen = rows_under(given.rows, wanted_rows)
     if missing := [r.quantity for r in chosen if r.standing == MISSING]:

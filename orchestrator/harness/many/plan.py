@@ -129,7 +129,7 @@ def plan_settings(
     given, name, folder = read_settings(data, name, scene)
     if not sampled and isinstance(given, Mapping) and "method" not in given:
         given = {"method": "sobol", "points": 1, **given}
-    settings = with_rows(validated(PlanSettings, given, name), folder)
+    settings = with_rows(validated(PlanSettings, given, name), folder, scene=scene)
     return settings.model_copy(update={"table": str(folder / settings.table)}) if settings.table else settings
 
 

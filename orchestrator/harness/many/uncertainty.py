@@ -221,7 +221,7 @@ def uncertainty(
     settings = plan_settings(plan_of_tolerances(scene, samples) if plan is None else plan, scene=scene)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
-    settings = with_rows(settings, table=limits, conditions=conditions)
+    settings = with_rows(settings, table=limits, conditions=conditions, scene=scene)
     names, settings = for_columns(scene, settings, quantities, "uncertainty", settings.limits)
     tried = by_derivatives(scene, settings, [*names, *settings.limits], directory, **how) if first_order else None
     taken = tried is not None and (tried.holds or tried.runs.stopped is not None)

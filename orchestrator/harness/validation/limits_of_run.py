@@ -5,12 +5,11 @@ The numbers that the rows are about are among the figures of the run, so that it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from math import isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ....components.core.errors import BadInput, nearest
 from ...settings.study import wanted
@@ -18,7 +17,7 @@ from ..many.limits import rows_under, table_of
 from ..studies.quantities import TimeHistory, quantities_of, recording
 from ..summary import SummaryRow
 from .case import Case, CaseResult, Findings
-from .reference import Row, TableRow
+from .reference import Row, TableRow, named_function
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -63,7 +62,7 @@ def with_limits(scene: Scene) -> Scene:
     table = table_of(scene.limits.table)
     rows = rows_under(table.rows, scene.limits, unique=not table.rules)
     if table.check:
-        _function(table.check)(scene)
+        named_function(table.check)(scene)
     kinds = [] if table.rules or table.measures else [row.measure for row in rows if "," in row.measure]
     if missing := [kind for kind in kinds if kind not in scene.study.quantities]:
         return scene.with_changes({"study.quantities": [*scene.study.quantities, *missing]})  # which comes here again
@@ -77,11 +76,11 @@ def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[
     table = table_of(limits.table)
     if not table.rules:
         rows = rows_under(table.rows, limits)
-        measures = _function(table.measures)(result) if table.measures else named_numbers(rows, result, numbers)
+        measures = named_function(table.measures)(result) if table.measures else named_numbers(rows, result, numbers)
         return [Judged(row, row.measure, float(measures[row.measure]), row.measure) for row in rows], []
     known = {row.condition for row in table.rows}
     judged, missing = [], []
-    for rules in _function(table.rules)(result):
+    for rules in named_function(table.rules)(result):
         conditions = limits.conditions or rules.conditions
         missing += [f"{rules.label}: {limits.table} has no rule for {c}" for c in conditions if c not in known]
         for row in (row for row in table.rows if row.condition in conditions):
@@ -105,11 +104,6 @@ def _beside_limit(row: TableRow, rules: Rules, figure: str) -> Judged:
     return Judged(
         replace(row, quantity=row.quantity.replace(" less ", " against ", 1), low=low, high=high), figure, value, figure
     )
-
-
-def _function(text: str) -> Callable[..., Any]:
-    module, _, name = text.partition(":")
-    return getattr(import_module(module), name)
 
 
 def named_numbers(rows: Sequence[TableRow], result: Result, numbers: Sequence[SummaryRow]) -> dict[str, float]:

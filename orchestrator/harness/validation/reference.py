@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -194,6 +195,9 @@ class Table:
     claims: tuple[Claim, ...] = ()  # of a paper
     measures: str = ""  # "module:function" that gives the rows' measures of any run, where there is one
     rules: str = ""  # "module:function" that says of a run which conditions hold for which of its objects (`limits_of_run.Rules`)
+    scene_conditions: str = (
+        ""  # "module:function" that says which hold for all runs of a scene but for what varies, none if they differ
+    )
     check: str = ""  # "module:function" that refuses a scene whose runs have nothing to compare, where that can be known
 
     def under(self, condition: str) -> tuple[TableRow, ...]:
@@ -228,7 +232,13 @@ def parse_table(name: str, text: str, lines: str) -> Table:
 
 def functions(data: Mapping[str, Any]) -> dict[str, str]:
     """The functions that a table names."""
-    return {key: str(data.get(key, "")) for key in ("measures", "rules", "check")}
+    return {key: str(data.get(key, "")) for key in ("measures", "rules", "scene_conditions", "check")}
+
+
+def named_function(text: str) -> Callable[..., Any]:
+    """That of "module:function"."""
+    module, _, name = text.partition(":")
+    return getattr(import_module(module), name)
 
 
 def read_rows(table: Columns) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.judgement import verification
-from cosimo.orchestrator.systems.railway.cases.en50367 import conditions
+from cosimo.orchestrator.systems.railway.cases.en50367 import conditions, scene_conditions
 
 ROW = '[[rows]]\nquantity = "{0}"\nmeasure = "{0}"\nunit = "N"\n{1}\nstanding = "verbatim"\nsource = "sheet"\n'
 ONE_WIRE = ("pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height")
@@ -146,3 +146,12 @@ def test_a_scene_with_nothing_to_compare_is_refused_before_it_runs(scene, option
     error = capsys.readouterr().err
     assert word in error
     assert error.count("cosimo:") == 1
+
+
+def test_a_scene_says_which_conditions_hold_for_all_its_runs():
+    scene = load_scene("en50318-2002")
+    assert scene_conditions(scene, ()) == ("AC above 200 km/h", "AC above 200, up to 250 km/h")
+    assert scene_conditions(scene.with_changes({"pantograph.speed": 50.0}), ()) == ("AC up to 200 km/h",)
+    accelerated = scene.with_changes({"pantograph.effects.acceleration": True})
+    several = scene_conditions(accelerated, ()), scene_conditions(scene, ["pantograph.speed"])
+    assert several == ((), ())

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
+from .....components.railway.pantograph import Pantograph
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, TableRow, compare, load_table
@@ -14,6 +16,7 @@ from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
 
 if TYPE_CHECKING:
     from ....run.results import Result
+    from ....scene.scene import Scene
 
 SLOW, FAST = 200.0, 250.0  # km/h, where other rules begin
 MEAN_LESS = frozenset(
@@ -72,6 +75,19 @@ def rules(result: Result) -> list[Rules]:
         for i, passage in enumerate(passages(result))
         if not passage.part
     ]
+
+
+def scene_conditions(scene: Scene, varied: Collection[str]) -> tuple[str, ...]:
+    """Those with rows that hold for the speed that a scene sets; none where its pantographs have several, or one varies."""
+    units = [name for name, cls in scene.component_classes.items() if issubclass(cls, Pantograph)]
+    default = cast(float, Pantograph.variables["speed"].start)
+    speeds = {float(scene.units[unit].parameters.get("speed", default)) for unit in units}
+    changed = {name for name in varied if name.rpartition(".")[2] in ("speed", "supply", "acceleration")}
+    if len(speeds) != 1 or changed or any(scene.coupling.interfaces[unit].effects["acceleration"] for unit in units):
+        return ()
+    held = conditions(scene.analysis_as(RailwayKeys).supply, speeds.pop() / KMH)
+    known = {row.condition for row in load_table("en50367").rows}
+    return tuple(condition for condition in held if condition in known)
 
 
 def conditions(supply: str, speed: float) -> tuple[str, ...]:
