@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
@@ -53,7 +53,8 @@ def balls(
     from ..scene.data_sheets import names_a_file, sheet_parameters
     from ..systems.bearings.support_tables import ball_rows
 
-    on, given = listed("--effects", [effects] if effects else []), {}
+    given: dict[str, Any] = {}
+    on = listed("--effects", [effects] if effects else [])
     if names_a_file(preset):
         given, remarks = sheet_parameters(preset, DeepGrooveBearing, on)
         warn(remarks)
