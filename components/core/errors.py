@@ -2,6 +2,7 @@
 
 import re
 
+DECIMAL_COMMA = re.compile(r"(?<![\w.,])[-+]?\d+,\d+(?:e[-+]?\d+)?(?![\d,.])", re.IGNORECASE)
 UNSEEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
 
 
@@ -50,13 +51,27 @@ def visible_in_page(page: str) -> str:
 
 def nearest(name: str, names) -> str:
     """The part of a message that helps with a misspelt name: the near ones, or all of a short list."""
-    from difflib import get_close_matches
+    from difflib import SequenceMatcher, get_close_matches
 
     names = list(dict.fromkeys(names))
     near = get_close_matches(name, names, n=3, cutoff=0.5)
+    likeness = [SequenceMatcher(None, name, other).ratio() for other in near]
+    near = [other for other, ratio in zip(near, likeness, strict=True) if ratio > likeness[0] - 0.1]
     if near:
         return "Did you mean " + " or ".join(repr(n) for n in near) + "?"
     return "There is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
+
+
+def decimal_point(text: object) -> str:
+    """The remedy for a number with a decimal comma; "" for a text that has none."""
+    match = DECIMAL_COMMA.search(text) if isinstance(text, str) else None
+    return f"Write {match[0].replace(',', '.')}, with a decimal point." if match else ""
+
+
+def syntax_remedy(text: str, error: ValueError) -> str:
+    """The remedy for an error of syntax of TOML, where its line has a number with a decimal comma; else ""."""
+    line = re.search(r"line (\d+)", str(error))
+    return decimal_point(text.splitlines()[int(line[1]) - 1].partition("#")[0]) if line else ""
 
 
 def pick(name, known, where: str, expected: str, what: str = ""):

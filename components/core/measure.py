@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from .errors import BadInput, nearest
+from .errors import BadInput, decimal_point, nearest
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 STANDARD_GRAVITY = 9.80665  # m/s², exact (third CGPM, 1901; ISO 80000-3)
@@ -113,7 +113,9 @@ def parse(text: str, where: str = "unit") -> Unit:
             break
         symbol = SYMBOLS.get(match[2])
         if symbol is None:
-            raise BadInput(where, f"unit {text!r}", "known units of measure", f"For {match[2]!r} {nearest(match[2], SYMBOLS)}")
+            raise BadInput(
+                where, f"unit {text!r}", "known units of measure", f"{match[2]!r} is not known. {nearest(match[2], SYMBOLS)}"
+            )
         power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
         factor *= symbol.factor**power
         exponents = [e + power * s for e, s in zip(exponents, symbol.exponents, strict=True)]
@@ -188,7 +190,7 @@ def number_in(text: str, unit: str, where: str, defined: Unit | None = None, rel
     """
     match = _WRITTEN.fullmatch(text)
     if match is None:
-        raise BadInput(where, repr(text), f"a number in {unit}, or a text with its unit")
+        raise BadInput(where, repr(text), f"a number in {unit}, or a text with its unit", decimal_point(text))
     written = plain(match[2])
     factor, offset = conversion_of(written, unit, where, repr(text), defined, relative)
     if offset:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import BadInput
+from .errors import BadInput, decimal_point
 from .measure import OTHERWISE, is_quantity, number_in, parse
 
 Declared = Mapping[str, tuple[str, ...]]  # port -> own signals, and effects as "effect.*"
@@ -157,7 +157,8 @@ class Variable:
         value = self.number_of(value, f"{where}.{self.name}")
         number = isinstance(value, Real) and not isinstance(value, bool)
         if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
-            raise BadInput(where, actual, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
+            expected = "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}"
+            raise BadInput(where, actual, expected, decimal_point(value))
         if not self.low <= value <= self.high or not math.isfinite(value):
             unit = "" if self.unit == "1" else f" {self.unit}"
             limited = math.isfinite(self.low) or math.isfinite(self.high)

@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from ...components.core.errors import BadInput, nearest, pick, visible, visible_lines
 from ..interrupts import Interrupted, interruptible
+from .column_widths import column_widths
 from .options import listed, value_of
 
 if TYPE_CHECKING:
@@ -115,9 +116,9 @@ def options(
     """Mechanical components as FMUs, coupled simulations of them, and validation against published tables."""
 
 
-def group(name: str, text: str) -> typer.Typer:
+def group(name: str, text: str, cls: type[TyperGroup] = TyperGroup) -> typer.Typer:
     """A command with commands of its own, added to the application."""
-    commands = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help=text)
+    commands = typer.Typer(cls=cls, no_args_is_help=True, rich_markup_mode=None, help=text)
     commands.callback()(lambda: None)  # with a single command it stays a group
     app.add_typer(commands, name=name)
     return commands
@@ -130,9 +131,12 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
     from rich.text import Text
 
     texts = [[f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row] for row in rows]
-    name = max((len(line) for row in [[*map(visible, columns)], *texts] for line in row[0].splitlines()), default=0)
-    kept = min(name, output_width() // 2) if named else None
-    headers = [Column(Text(visible(c)), overflow="fold", width=None if k else kept) for k, c in enumerate(columns)]
+    used = [k for k, column in enumerate(columns) if column or any(row[k] for row in texts)] if texts else range(len(columns))
+    columns, texts = [columns[k] for k in used], [[row[k] for k in used] for row in texts]
+    cells = [[visible(column), *(row[k] for row in texts)] for k, column in enumerate(columns)]
+    name = max((len(line) for cell in cells[0] for line in cell.splitlines()), default=0)
+    widths = column_widths(cells, output_width(), min(name, output_width() // 2) if named else 0)
+    headers = [Column(Text(visible(c)), overflow="fold", width=width) for c, width in zip(columns, widths, strict=True)]
     # as Text: in a string, Rich takes [red] of a foreign name for markup
     table = Table(*headers, title=Text(visible_lines(title)) if title else None, title_justify="left")
     for row in texts:
@@ -160,7 +164,9 @@ def print_rows(result: CaseResult) -> None:
             lines.append((f"{row.condition}:", "", "", "", ""))
             condition = row.condition
         standing = "" if row.standing in FIRM else f", {row.standing}"
-        lines.append((row.quantity, f"{row.simulated} {row.unit}".rstrip(), row.range, row.margin, f"{row.verdict}{standing}"))
+        value, comma, remark = row.simulated.partition(", ")
+        simulated = f"{f'{value} {row.unit}'.rstrip()}{comma}{remark}"
+        lines.append((row.quantity, simulated, row.range, row.margin, f"{row.verdict}{standing}"))
     print_table(result.case.title, ("quantity", "simulated", "limits", "margin", "verdict"), lines, named=False)
 
 

@@ -12,9 +12,14 @@ from typer import Argument, Option
 
 from ...components.core.errors import BadInput
 from ..output import ensure_directory
+from .asked import Asking
 from .common import group, print_written
 
-new = group("new", "Create a scene, vehicle, component, line, case or limit table from a template.")
+new = group(
+    "new",
+    "Create a scene, vehicle, component, line, case or limit table from a template. On a terminal, cosimo new asks for what it needs.",
+    Asking,
+)
 
 COMPONENT = '''"""$title: a mass on a spring and a damper, to start from.
 

@@ -143,6 +143,10 @@ def scene(
         str, Option(metavar="SHARE", help="Share of the contact wire's section gone since the droppers were cut, as in 20%.")
     ] = "",
     limits: Limits = "",
+    title: Annotated[str, Option(help="Title of reports of the scene.")] = "",
+    object_: Annotated[str, Option("--object", help="What is simulated, for reports: a line, a vehicle, a machine.")] = "",
+    author: Annotated[str, Option(help="Who answers for reports of the scene.")] = "",
+    organisation: Annotated[str, Option(help="Company, office or institute, for reports.")] = "",
 ) -> None:
     """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
 
@@ -182,7 +186,8 @@ def scene(
         warn(taken)
     else:
         text = _joined_scene(file, units or [], limits, table)
-    write_new(file, text)
+    document = {"title": title, "object": object_, "author": author, "organisation": organisation}
+    write_new(file, with_document(text, {key: value for key, value in document.items() if value}))
     for table, content in tables.items():
         table.write_bytes(content)
     try:
@@ -193,6 +198,19 @@ def scene(
         raise
     print_written([file, *tables])
     print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
+
+
+def with_document(text: str, document: dict[str, str]) -> str:
+    """The text of a scene with these keys of the first page of its reports; raises `BadInput` for a scene that has such a table."""
+    from tomli_w import dumps
+
+    if not document:
+        return text
+    if re.search(r"^\[document\]", text, re.MULTILINE):
+        raise BadInput(
+            "new scene", f"--{', --'.join(document)}", "", "The scene has a [document] already: change it in the new file."
+        )
+    return f"{text.rstrip()}\n\n{dumps({'document': document})}"
 
 
 @new.command()

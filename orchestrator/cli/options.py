@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from typer import Argument, BadParameter, Option
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, decimal_point
 from ...components.core.measure import OTHERWISE, is_quantity, number_in
 from ..delivery import PAPERS, PLACES, delivered
 from .completion import parameters, presets, scenes
@@ -223,7 +223,7 @@ def number_given(text: str, unit: str, option: str, *, bare: bool = True) -> flo
     try:
         value = float(text)
     except ValueError:
-        raise BadInput(option, repr(text), f"a number in {unit}, or with its unit") from None
+        raise BadInput(option, repr(text), f"a number in {unit}, or with its unit", decimal_point(text)) from None
     if not bare and unit in OTHERWISE:
         raise BadInput(option, repr(text), "a number with its unit", f"{text} {OTHERWISE[unit]} or {text} {unit}?")
     return value

@@ -15,6 +15,7 @@ from .completion import anything
 from .options import AsJson, Changes, Presets, parameters_of
 from .railway import show_line
 
+HEADINGS = {"is": "causality", "text": "description", "as in": "value from", "times": "factor", "plus": "offset"}  # of keys
 FILES = (".toml", ".ssd", ".ssp", ".xml", ".fmu")
 
 
@@ -88,7 +89,11 @@ def show(
     print(*(visible_lines(shown[key]) for key in ("title", "text") if key == "title" or shown.get(key)), sep="\n\n", end="\n\n")
     for title, rows in shown.items():
         if isinstance(rows, list) and rows and isinstance(rows[0], dict):
-            print_table(title.replace("_", " "), tuple(rows[0]), [tuple(map(_cell, row.values())) for row in rows])
+            print_table(
+                title.replace("_", " "),
+                [HEADINGS.get(key, key) for key in rows[0]],
+                [tuple(map(_cell, row.values())) for row in rows],
+            )
     print(*(f"{key}: {_cell(shown[key])}" for key in ("states", "step") if shown.get(key) is not None), sep="\n")
     if output is not None:
         print_written([path])

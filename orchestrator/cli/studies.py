@@ -76,7 +76,6 @@ def accuracy(
 
     if budget is not None and not budget > 0.0:
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
-    kept = []
     with study(output, resume), status_spinner() as on_message:  # the directory now, not after a long measurement
         if what.startswith(COMPONENT):
             measured = alone.component_accuracy(
@@ -92,8 +91,8 @@ def accuracy(
             refuse({"--effects": effects}, "no effect for a scene, which sets its own")
             scene = scene_of(what, values, presets, {"stop_time": stop})
             measured = measure(scene, budget=budget or BUDGET, on_message=on_message)
-            kept.append(fronts.keep(scene, measured))
-        written = [measured.save(output), for_accuracy(measured, output), *kept]
+            fronts.keep(scene, measured)
+        written = [measured.save(output), for_accuracy(measured, output)]
     if as_json:
         print(json.dumps(measured.to_json(), indent=2))
         return

@@ -28,6 +28,7 @@ MOST_PANELS = 8  # signals that are drawn: those that differ most
 MOST_NUMBERS = 4  # of the answer at the top
 NOT_SETTINGS = ("name", "title", "sweep", "study", "explore")
 ABSENT = "–"
+UNSET = ("None", "none")  # texts of a setting that is not given
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ class Comparison:
         return Cells("Changed settings", ("setting", *self.names), rows, "" if rows else "All settings are the same.")
 
     def figure_cells(self) -> Cells:
-        """All figures."""
+        """All key results."""
         count = len(self.names)
         rows = [
             (
@@ -184,9 +185,9 @@ class Comparison:
             )
             for one in self.figures
         ]
-        caption = "The difference is the largest from the first run, in parts of the figure's size; ± are the numerical errors."
-        header = ("figure", "unit", *self.names, "difference", "")
-        return Cells("All figures", header, rows, caption, frozenset(range(2, count + 3)))
+        caption = "The difference is the largest from the first run, as a share of the result's size; ± are the numerical errors."
+        header = ("name", "unit", *self.names, "difference", "")
+        return Cells("All key results", header, rows, caption, frozenset(range(2, count + 3)))
 
     def signal_cells(self, most: int | None = None) -> Cells:
         """Signals that differ, or so many of those that differ most."""
@@ -318,7 +319,7 @@ def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:
     tables = [_flat(result.info) for result in results]
     places = dict.fromkeys(place for table in tables for place in table)
     texts = {place: tuple(table.get(place, ABSENT) for table in tables) for place in places}
-    return {place: values for place, values in texts.items() if len(set(values)) > 1}
+    return {place: values for place, values in texts.items() if len(set(values)) > 1 and not set(values) <= {ABSENT, *UNSET}}
 
 
 def _flat(info: RunRecord) -> dict[str, str]:

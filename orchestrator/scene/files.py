@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...components.core.columns import decoded
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest, syntax_remedy
 from ...components.core.files import read_bytes
 from ..loading import MOST_TOML, check_values, loading
 from .file_kinds import SUFFIXES, kind_of_data, refuse_kind, refuse_other
@@ -89,7 +89,9 @@ def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
         data = tomllib.loads(text)
     except ValueError as error:  # of syntax, or of an integer of thousands of digits
         line = re.search(r"line (\d+)", str(error))
-        raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML") from None
+        raise BadInput(
+            f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML", syntax_remedy(text, error)
+        ) from None
     if kinds:
         refuse_kind(path, kind_of_data(data), *kinds)
     check_values(data, str(path))

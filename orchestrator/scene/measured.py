@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...components.core.columns import Columns, read_table
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, decimal_point
 from ...components.core.measure import conversion_of, is_quantity, number_in
 from ..settings.answers import FittedCurve
 from ..settings.case import CurveSettings
@@ -94,7 +94,7 @@ def amount(given: float | str, unit: str, where: str, of: float = 0.0, finite: b
     elif is_quantity(given):
         value = number_in(given, unit or "1", where, relative=True)
     else:
-        raise BadInput(where, repr(given), f"a number in {unit or '1'}, or a text with its unit")
+        raise BadInput(where, repr(given), f"a number in {unit or '1'}, or a text with its unit", decimal_point(given))
     if finite and not np.isfinite(value):
         raise BadInput(where, f"{value}", "a finite number")
     return value

@@ -72,6 +72,23 @@ def test_names_are_never_cut(width, monkeypatch, capsys):
     assert name in "".join(c for c in shown if c not in "│┃ \n").replace("whatitis,", "") or int(width) < 2 * len(name)
 
 
+def test_numbers_and_words_stay_whole_beside_a_long_name(monkeypatch, capsys):
+    monkeypatch.setattr("cosimo.orchestrator.cli.common.output_width", lambda: 80)
+    rows = [("iterative, quadratic, substeps x 4, and more", "0.0025", "0.00846 %", "0.00247 s", "56000", "time, work", "")]
+    print_table("", ("setting", "size", "error", "CPU time", "calls", "on the front of", ""), rows)
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= 80
+    cells = {cell.strip() for line in shown.splitlines() for cell in line.split("│")}
+    assert cells >= {"0.0025", "0.00846 %", "0.00247 s", "56000"}
+    words = {word for cell in cells for word in cell.split()}
+    assert words >= {"iterative,", "quadratic,", "substeps", "time,", "work"}
+
+
+def test_columns_that_no_row_fills_are_left_out(capsys):
+    print_table("", ("name", ""), [("a", "")])
+    assert "│ a    │\n" in capsys.readouterr().out
+
+
 def test_a_closed_pipe_ends_a_command_quietly():
     process = started("list", "--json")
     assert process.stdout.readline()

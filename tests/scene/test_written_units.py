@@ -39,7 +39,7 @@ def test_a_number_with_its_unit(text, unit, number):
         ("250 kg", "m/s", "a unit of the dimension of m/s"),
         ("50 Hz", "rad/s", "a unit of the dimension of rad/s"),
         ("3 m", "1", "a number without unit"),
-        ("250 kmh", "m/s", "For 'kmh'"),
+        ("250 kmh", "m/s", "'kmh' is not known"),
         ("5 m//s", "m/s", "factors joined"),
         ("20 degC", "K", "A temperature and a difference"),
     ],

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any
 
-from ...core.errors import BadInput, nearest
+from ...core.errors import BadInput, decimal_point, nearest, syntax_remedy
 
 MOST_SPANS = 2000  # 130 km of 65 m
 MOST_DROPPERS = 200  # of one span
@@ -195,7 +195,7 @@ def read_line(text: str, where: str = "line") -> Line:
     try:
         data = tomllib.loads(text)
     except ValueError as error:  # of syntax, or of an integer of thousands of digits
-        raise BadInput(where, f"a syntax error: {error}", "a line's table as TOML") from None
+        raise BadInput(where, f"a syntax error: {error}", "a line's table as TOML", syntax_remedy(text, error)) from None
     line = _read(Line, data, where)
     if not line.sections:
         raise BadInput(where, "no section", "at least one", "Write [[sections]] with spans = [length, ...].")
@@ -242,7 +242,7 @@ def _value(meta: Mapping[str, Any], value: Any, where: str) -> Any:
 def checked_number(meta: Mapping[str, Any], value: Any, where: str) -> float:
     """A value as the number that a key wants, or `BadInput`; meta: as of `number`."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-        raise BadInput(where, repr(value)[:80], f"a number in {meta['unit']}")
+        raise BadInput(where, repr(value)[:80], f"a number in {meta['unit']}", decimal_point(value))
     if not meta["low"] <= value <= meta["high"]:
         limits = f"[{meta['low']:g}, {meta['high']:g}] {meta['unit']}"
         raise BadInput(where, f"{value:g}", f"a value in {limits}", meta["text"][:1].upper() + meta["text"][1:] + ".")
