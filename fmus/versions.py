@@ -21,6 +21,7 @@ def distribution(name: str) -> Distribution:
     raise PackageNotFoundError(name)
 
 
+@lru_cache(maxsize=64)  # a package parses its description each time
 def version(name: str) -> str:
     """Of an installed package; raises `PackageNotFoundError`."""
     return distribution(name).version

@@ -69,12 +69,19 @@ class Function(NamedTuple):
 
 def functions(text: str) -> Iterator[Function]:
     """All functions of a module that have a body."""
-    for head, body in re.findall(r"^define ([^\n]*) \{\n(.*?)^\}", text, re.S | re.M):
+    bodies = re.findall(r"^define [^\n]* \{\n(.*?)^\}", text, re.S | re.M)
+    for head, body in zip(heads(text), bodies, strict=True):
+        yield head._replace(body=tuple(map(_instruction, body.splitlines())))
+
+
+def heads(text: str) -> Iterator[Function]:
+    """The same without their bodies, most of what there is to read."""
+    for head in re.findall(r"^define ([^\n]*) \{$", text, re.M):
         match = CALL.search(head)
         assert match
         arguments = tuple(map(typed, _parts(head[match.end() : _closed(head, match.end())])))
         linkage = "internal" if head.startswith("internal ") else ""
-        yield Function(linkage, match[2], match[1], arguments, tuple(map(_instruction, body.splitlines())))
+        yield Function(linkage, match[2], match[1], arguments, ())
 
 
 def typed(text: str) -> Operand:

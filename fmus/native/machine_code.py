@@ -29,7 +29,7 @@ from ...components.core.errors import BadInput
 from ...components.core.kept_kernels import check_result, kinds_of
 from ...components.core.kernel_sources import sources_digest
 from ..derivatives.compiled import kept_object
-from ..derivatives.grammar import functions
+from ..derivatives.grammar import heads
 from ..derivatives.tangents import ELSEWHERE, derivative_of, derived, entry_of
 from .kept_code import digest_of, load, save
 from .wide_pointers import widened
@@ -321,7 +321,7 @@ def compile_apart(source: Source) -> tuple[str, str]:
         if digest:
             save(digest, text)
     entries = []
-    for function in functions(text):
+    for function in heads(text):
         symbol = function.name.strip('@"')
         if (name := symbol.removeprefix(f"{source.prefix}{ELSEWHERE}")) in names:
             kinds = tuple(a.type for a in function.arguments)

@@ -33,8 +33,8 @@ class TangentComponent:
             code = Compiled([compile_entries(source_of(component))], width)
         except Unsupported as error:
             raise BadInput(f"derivatives of {component.name}", str(error), "instructions that have a derivative") from None
-        self._step, self._arena = code.entry("model_step", 2), Arena(block.cells, width)
-        self._arena.cells[: block.cells] = block.memory
+        self._step, self._arena, self._size = code.entry("model_step", 2), Arena(block.cells, width), block.cells
+        self._arena.cells[: self._size] = block.memory
         self._cells = np.concatenate([np.zeros(0, dtype=int), *(np.arange(*ends) for ends in block.ranges("x"))])
         self._inputs = block.cell("s", "u") + np.arange(len(component.inputs))
 
@@ -50,7 +50,7 @@ class TangentComponent:
 
     def seed(self, places: Sequence[int] | np.ndarray, directions: np.ndarray, *, of_inputs: bool = False) -> None:
         """Tangents of places of the state, or of the inputs, (m, d); all others are 0."""
-        self._arena.tangents[:] = 0.0
+        self._arena.tangents[: self._size] = 0.0
         self._arena.tangents[(self._inputs if of_inputs else self._cells)[places], : directions.shape[1]] = directions
 
     def hold(self) -> None:

@@ -1,8 +1,9 @@
 """What README and documentation show works as it stands: commands in their order, Python, scenes, links.
 
 The lines that install, the first command behind them and the one that starts this suite are left to .ci/run, which runs exactly
-them. A command that several pages show is run once, and one that only runs a shipped scene, with the options that the README has, is
-left to tests/systems/test_as_shipped.py, which runs all scenes by their commands.
+them. A command that several pages show is run once. One that only runs a shipped scene, with the options that the README has, or
+validates shipped cases, is left to tests/systems/test_as_shipped.py, which does so with all scenes and cases by their commands, and the
+page of the railway to tests/harness/explore/test_explore_page.py.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems import cases, load_scene
 from cosimo.tests.short_run import full_but
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -97,14 +98,18 @@ def shown_commands() -> list[tuple[str, str]]:
     return [
         (page, command)
         for command, page in first.items()
-        if command not in BY_CI and not (page != README.name and whole(command))
+        if command not in BY_CI and not (page != README.name and elsewhere(command))
     ]
 
 
-def whole(command: str) -> bool:
-    """Whether a command runs a shipped scene, and nothing else."""
-    plain = re.fullmatch(r"cosimo run ([\w-]+) --in-process(?: -o out)?", command)
-    return plain is not None and plain[1] in scene_files()
+def elsewhere(command: str) -> bool:
+    """Whether a command does nothing but what another test has it do."""
+    shipped = {
+        r"cosimo run ([\w-]+) --in-process(?: -o out)?": scene_files(),
+        r"cosimo validate ([\w-]+(?: [\w-]+)*) -o out": cases(),
+        r"cosimo explore ([\w-]+) -o \S+": ["en50318-2002"],
+    }
+    return any((plain := re.fullmatch(form, command)) and {*plain[1].split()} <= {*names} for form, names in shipped.items())
 
 
 @pytest.mark.parametrize(("page", "command"), full_but([(name_of(README), "cosimo list")], shown_commands()))
