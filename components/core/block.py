@@ -27,11 +27,11 @@ from .store import digest_of, read_kept, write_kept
 if COMPILED:
     import llvmlite.binding as llvm
 
-    from .kept_kernels import LOCK, machine, machine_code
+    from .kept_kernels import LOCK, Either, machine, machine_code
 
 CELL = 8  # bytes
 LINE = 8  # cells of a line of the cache; an array of several lines begins with one
-NOTHING: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+NOTHING: Mapping[str, Any] = MappingProxyType({})
 TIME = 0  # the cell that holds the time
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 ENTRIES = {"initialize": ("double %t",), "step": ("double %t", "double %h"), "outputs": ("double %t",)}  # what each hands on
@@ -45,7 +45,10 @@ class Entry(NamedTuple):
 
 
 class Leaf(NamedTuple):
-    """A number, an array or a record of the block; kind: "f8", "i8", "array", "record" or "none", which takes no cell."""
+    """A number, an array or a record of the block; kind: "f8", "i8", "array", "record" or "none", which takes no cell.
+
+    Nor do those that say whether an effect is on, "flag", with 1 or 0 as cell, and stand for the values of one that is off, "absent".
+    """
 
     kind: str
     cell: int = 0
@@ -67,11 +70,13 @@ class Block:
         entries: Mapping[str, tuple[str, ...]] = ENTRIES,
         constant: tuple[str, ...] = (),
         unread: Mapping[str, tuple[str, ...]] = NOTHING,
+        either: Mapping[str, Mapping[str, Any]] = NOTHING,
     ):
         """entries: what each hands on besides the block.  constant: fields of `s` that nothing changes, which lie last.
         unread: of entries the fields of `e` that their kernels do not read, and get as None.
+        either: of entries the fields of `e` that their kernels find on or off when they run, each with values of its form.
         """
-        self.entries, self._constant, self._unread = entries, constant, unread
+        self.entries, self._constant, self._unread, self._either = entries, constant, unread, either
         self.cells, self._leaves = TIME + 1, dict[tuple[str | int, ...], Leaf]()
         first = [name for name in ("u", "y", "x", "counts") if name in s._fields]
         for name in first:
@@ -192,8 +197,16 @@ class Block:
         for path, leaf in self._leaves.items():
             if path[0] == "e":
                 effects.setdefault(path[1], []).append(leaf)
+        either = self._either.get(entry, {})
         for name, leaves in effects.items():
-            yield from [Leaf("none")] if name in self._unread.get(entry, ()) else leaves
+            if name in self._unread.get(entry, ()):
+                yield Leaf("none")
+            elif name not in either:
+                yield from leaves
+            else:
+                off = leaves[0].kind == "none"
+                yield from (Leaf("absent", shape=np.shape(value)) for value in either[name]) if off else leaves
+                yield Leaf("flag", int(not off))
 
     def given(self, entry: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
         """What an entry gives to its kernel behind the times, of all `s`, `p` and `e`."""
@@ -201,6 +214,14 @@ class Block:
             return arguments
         *others, e = arguments
         return *others, e._replace(**dict.fromkeys(unread))
+
+    def handed(self, entry: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        """What decides on the types of what an entry gives: that, and of effects that may be on or off what they are when on."""
+        given = self.given(entry, arguments)
+        if not (either := self._either.get(entry)):
+            return given
+        *others, e = given
+        return *others, e._replace(**{name: Either(values) for name, values in either.items()})
 
     def body(self, entry: str, kinds: Sequence[str], kernel: str = "") -> str:
         """The text of an entry's instructions. kinds: types of the kernel's arguments behind its times; kernel: its symbol."""
@@ -211,7 +232,7 @@ class Block:
         yield "%result = alloca i64\n%raised = alloca ptr\nstore i64 0, ptr %result"
         given = iter(kinds)
         for k, leaf in enumerate(self.in_order(entry)):
-            if leaf.kind != "none":
+            if leaf.kind not in ("none", "flag", "absent"):
                 yield f"%p{k} = getelementptr i64, ptr %block, i64 {leaf.cell}"
             if leaf.kind == "array":
                 strides = [leaf.itemsize * int(np.prod(leaf.shape[i + 1 :])) for i in range(len(leaf.shape))]
@@ -221,6 +242,12 @@ class Block:
                 ]
             elif leaf.kind == "record":
                 arguments.append(f"{next(given)} %p{k}")
+            elif leaf.kind == "flag":
+                arguments.append(f"{next(given)} {leaf.cell}")
+            elif leaf.kind == "absent":
+                zeros = {"ptr": "null", "double": "0.0"}
+                some = (next(given) for _ in range(5 + 2 * len(leaf.shape) if leaf.shape else 1))
+                arguments += [f"{kind} {zeros.get(kind, '0')}" for kind in some]
             elif leaf.kind == "none":
                 kind = next(given)
                 arguments.append(f"{kind} {'null' if kind == 'ptr' else 0}")
@@ -243,7 +270,7 @@ class Block:
 
     def wanted(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> tuple[Any, int, tuple[Any, ...]]:
         """What the machine code of an entry's kernel is made for: the kernel, the number of its times, the arguments behind them."""
-        return kernel, len(self.entries[name]), self.given(name, arguments)
+        return kernel, len(self.entries[name]), self.handed(name, arguments)
 
     def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> Entry:
         """An entry that calls a kernel, compiled for these arguments, behind its times, in this process."""

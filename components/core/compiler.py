@@ -27,9 +27,17 @@ from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 from numba.core.typed_passes import NopythonTypeInference
 from numba.core.untyped_passes import IRProcessing
+from numba.extending import typeof_impl
 
+from .kept_kernels import Either
 from .kernel_faults import typing_fault
 from .kernel_library import ADDRESS, KERNELS, PYTHON, kernel_libraries
+
+
+@typeof_impl.register(Either)
+def _either(value, context):
+    """Values, or None: `if e.effect is not None` is decided when the kernel runs."""
+    return types.Optional(typeof_impl(value.values, context))
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)

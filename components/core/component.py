@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any, ClassVar
@@ -54,6 +54,19 @@ def _tuple_type(owner: type, name: str, fields: Iterable[str]) -> type:
     return kernel_tuple(values)
 
 
+def _form(variable: Variable, value: Callable[[Variable], Any]) -> Any:
+    """How kernels get a parameter; value: that of a scalar."""
+    if variable.size:
+        return np.array([value(scalar) for scalar in variable.scalars])
+    if variable.kind is Kind.TEXT:
+        return 0
+    return variable.choices.index(value(variable)) if variable.choices else value(variable)
+
+
+def _start(scalar: Variable) -> Any:
+    return float(scalar.start) if scalar.kind is Kind.REAL else scalar.start
+
+
 class Effect:
     """An optional part of a component's physics. Off means absent: no state, no variable, no call.
 
@@ -66,6 +79,10 @@ class Effect:
     `replaces`: parameters of the component, or of effects that it requires, that the effect makes ineffective; arrays without an index.
 
     `read_by`: the kernels that read its values. The others get None, so that they are compiled once for all sets of such effects.
+
+    `either_in`: of these the kernels that find out when they run whether it is on: `initialize` where it takes long to compile. They have
+    the effect's branches in the machine code of a process, compiled once with and without it; in a native FMU nothing is left of them.
+    Such an effect gives `s` no array that is None where it is off, and is None where an effect that it requires is off.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
@@ -73,6 +90,7 @@ class Effect:
     replaces: ClassVar[tuple[str, ...]] = ()
     explicit_only: ClassVar[bool] = False
     read_by: ClassVar[tuple[str, ...]] = ("initialize", "step", "outputs")
+    either_in: ClassVar[tuple[str, ...]] = ()
     variables: ClassVar[tuple[Variable, ...]] = ()
     Values: ClassVar[Any]
 
@@ -85,6 +103,13 @@ class Effect:
         ]
         fields += [v.name for v in cls.variables if v.causality is Causality.PARAMETER]
         cls.Values = _tuple_type(cls, "Values", fields or ["on"])
+
+    @classmethod
+    def form(cls) -> Any:
+        """Some `Values`, of the types that they have in every component."""
+        parameters = {v.name: v for v in cls.variables if v.causality is Causality.PARAMETER}
+        fields = cls.Values._fields
+        return cls.Values(*(_form(parameters[n], _start) if n in parameters else fields == ("on",) or 0 for n in fields))
 
 
 @dataclass(frozen=True)
@@ -289,12 +314,7 @@ class Component:
 
     def _value(self, variable: Variable, owner: str = "") -> Any:
         """The value of a declared parameter; owner: of an effect, its name and a dot."""
-        if variable.size:
-            return np.array([self.parameters[owner + s.name] for s in variable.scalars])
-        if variable.kind is Kind.TEXT:
-            return 0
-        value = self.parameters[owner + variable.name]
-        return variable.choices.index(value) if variable.choices else value
+        return _form(variable, lambda scalar: self.parameters[owner + scalar.name])
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:

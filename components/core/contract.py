@@ -155,13 +155,20 @@ class KernelComponent(Component):
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
-        self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays, unread=cls.unread)
+        self.block = block = Block(
+            cls.Memory(**contents), p, e, constant=cls.fixed_arrays, unread=cls.unread, either=self._either()
+        )
         self._structure, self._calls = self._present_structure(), dict[str, Any]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
         self._kept_of = ()
         block.s.u[...], block.s.y[...] = self.u, self.y
         self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
         self._write_parameters()
+
+    def _either(self) -> dict[str, dict[str, Any]]:
+        """Of each kernel the effects that it finds on or off, each with values of its form; not those that cannot be on."""
+        some = {n: effect for n, effect in type(self).effects.items() if set(effect.requires) <= set(self.on)}
+        return {k: {n: effect.form() for n, effect in some.items() if k in effect.either_in} for k in ENTRIES}
 
     def _write_parameters(self) -> None:
         """The parameters into their cells; `arguments` are what kernels get."""

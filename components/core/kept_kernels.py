@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from ctypes import CFUNCTYPE, addressof, c_double, c_int32, c_int64, c_void_p
 from functools import lru_cache
 from threading import RLock
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 import numpy as np
@@ -26,6 +26,12 @@ _LOADED: dict[str, tuple[int, tuple[str, ...], Any]] = {}  # with the engine tha
 STATUS = ("int64", "none")  # what a kernel returns
 _TYPES: dict[str, Any] = {"double": c_double, "i64": c_int64, "ptr": c_void_p}
 _CALLS: dict[tuple[Any, str], Callable[..., int]] = {}  # by kernel and kinds of arguments
+
+
+class Either(NamedTuple):
+    """Among arguments for an effect that the kernel finds on or off when it runs, see `Effect.either_in`."""
+
+    values: Any  # of the form that they have when it is on
 
 
 def machine_code(kernel: Any, times: int, arguments: tuple[Any, ...]) -> tuple[int, tuple[str, ...]]:

@@ -78,7 +78,7 @@ from .mesh import (
 from .moving_window import WINDOW, begin_front, open_window, warn_of_narrow_window
 from .statics import PRESENT, UNBALANCED, add_ground, empty_balance, find_balance, put_droppers
 from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
-from .wires import Laws, Motion, contacts_at, last_step, row_length, state_rows
+from .wires import Laws, Motion, contacts_at, last_step, row_length, shown, state_rows
 
 WATCHED = 5  # supports whose uplift is an output
 SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
@@ -486,14 +486,14 @@ def catenary_step(t, h, s, p, e):
     if s.rows is not None:
         status = explicit_steps(t, h, n, motion, mesh, s.rows, laws)
     follow_contacts(h, s.x, s.u, s.points, mesh)
-    put_outputs(t + h, mesh, s, p, e)
+    put_outputs(t + h, mesh, s, p, shown(e))
     return status
 
 
 @kernel
 def catenary_outputs(t, s, p, e):
     """Outputs for the present state and inputs."""
-    put_outputs(t, unpacked(s.numbers, s.indices), s, p, e)
+    put_outputs(t, unpacked(s.numbers, s.indices), s, p, shown(e))
     return DONE
 
 

@@ -13,6 +13,7 @@ class DropperSlackening(Effect):
     """Droppers carry tension only; off, they also push."""
 
     read_by = ("initialize", "step")
+    either_in = ("initialize",)
 
 
 class BendingStiffness(Effect):
@@ -22,6 +23,7 @@ class BendingStiffness(Effect):
     """
 
     read_by = ("initialize", "step")
+    either_in = ("initialize",)
 
     contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0)
     messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0)
@@ -31,6 +33,7 @@ class GravitySag(Effect):
     """Sag of the contact wire between its clamps, in the geometry of the contact; off, straight lines between clamps."""
 
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
 
 class PreSag(Effect):
@@ -38,6 +41,7 @@ class PreSag(Effect):
 
     explicit_only = True
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
 
@@ -49,6 +53,7 @@ class Damping(Effect):
     """
 
     read_by = ("initialize", "step")
+    either_in = ("initialize",)
 
     alpha = parameter(0.0, "1/s", "mass-proportional coefficient", low=0.0)
     beta = parameter(1e-3, "s", "stiffness-proportional coefficient", low=0.0)
@@ -61,6 +66,7 @@ class SteadyArm(Effect):
     """
 
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0)
     mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0)
@@ -130,6 +136,7 @@ class MovingWindow(Effect):
 
     explicit_only = True
     read_by = ("initialize", "outputs", "step")
+    either_in = ("initialize",)
 
     behind = parameter(0.0, "m", "length behind the last contact point; 0: from damping and speed", low=0.0)
     rear = output("m", "place from which on the wires are followed; a support before it has an uplift of 0 that says nothing")
@@ -167,6 +174,7 @@ class Temperature(Effect):
     explicit_only = True
     requires = ("line_table",)
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
 
@@ -181,6 +189,7 @@ class Wear(Effect):
     explicit_only = True
     requires = ("line_table",)
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     share = parameter(
         0.1, "1", "share of the contact wires' section that is gone since; their mass falls by it", low=0.0, high=0.5
@@ -217,6 +226,7 @@ class SecondWire(Effect):
     explicit_only = True
     requires = ("line_table",)
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     contact_force = input_(0.0, "N", "force on the second contact wire, positive upwards", nominal=100.0, size=2 + FURTHER)
     wire_height = output(

@@ -66,6 +66,24 @@ class Laws(NamedTuple):
     damping: Any
 
 
+@kernel_tuple
+class Shown(NamedTuple):
+    """Effects of which outputs tell, or None; others do not have `put_outputs` compiled anew."""
+
+    gusts: Any
+    moving_window: Any
+    stagger: Any
+    blow_off: Any
+    wire_profile: Any
+    line_profile: Any
+
+
+@kernel
+def shown(e):
+    """What outputs get of all effects."""
+    return Shown(e.gusts, e.moving_window, e.stagger, e.blow_off, e.wire_profile, e.line_profile)
+
+
 @kernel
 def tension_and_bending(z, w, kink, tension, curvature, bending_gradient, inverse_length, bending):
     """w = T z - C z_xx for displacements z of successive nodes, all (W k,), whose second difference is the restoring force.

@@ -271,7 +271,7 @@ def _refuse_counts(source: Source) -> None:
 
 
 def _signature(source: Source, name: str) -> tuple[Any, ...]:
-    return (t.float64,) * len(source.block.entries[name]) + tuple(map(typeof, source.block.given(name, source.arguments)))
+    return (t.float64,) * len(source.block.entries[name]) + tuple(map(typeof, source.block.handed(name, source.arguments)))
 
 
 def _compile(source: Source) -> str:

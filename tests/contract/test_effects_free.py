@@ -1,5 +1,6 @@
 """An effect that is off costs nothing: no call, no state, no bit of the result, no instruction of the machine code."""
 
+import math
 import sys
 from collections import Counter
 from pathlib import Path
@@ -7,8 +8,11 @@ from pathlib import Path
 import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.component import Effect
+from cosimo.components.core.contract import KernelComponent, Kernels
 from cosimo.components.core.integrators import OdeComponent, rk4
-from cosimo.components.core.kernels import COMPILED
+from cosimo.components.core.kernels import COMPILED, kernel
+from cosimo.components.core.variables import output, parameter
 from cosimo.tests.contract.configurations import (
     SMALL,
     bits,
@@ -111,3 +115,55 @@ def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(componen
     off, never, on = instructions(source, made), instructions(cut, made), instructions(source, full)
     assert off == never
     assert on > off
+
+
+class LogGamma(Effect):
+    """Found on or off when the kernel runs; the function that it calls is one that nothing else calls."""
+
+    read_by = either_in = ("initialize",)
+
+    of = parameter(5.0, "1", "argument")
+    weights = parameter((1.0, 2.0), "1", "factors", size=2)
+
+
+class Started(KernelComponent):
+    title, system = "Started", "test"
+    log_gamma = LogGamma
+
+    result = output("1", "what initialization computes")
+
+
+@kernel
+def started(t, s, p, e):
+    s.y[0] = -1.0
+    if e.log_gamma is not None:
+        s.y[0] = math.lgamma(e.log_gamma.of) * e.log_gamma.weights[1]
+    return 0
+
+
+@kernel
+def nothing(t, h, s, p, e):
+    return 0
+
+
+@kernel
+def nothing_shown(t, s, p, e):
+    return 0
+
+
+Started.kernels = Kernels(started, nothing, nothing_shown)
+
+
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+def test_one_machine_code_finds_effects_on_or_off_and_a_native_library_has_nothing_of_those_that_are_off():
+    from cosimo.fmus.native.machine_code import compile_entries, source_of
+
+    kernels, texts = set(), []
+    for on, result in (((), -1.0), (("log_gamma",), 2.0 * math.lgamma(5.0))):
+        made = Started(on)
+        made.initialize(0.0)
+        assert made.result == pytest.approx(result, rel=1e-15)
+        kernels.add(Started.known_entries["initialize", made.layout_of_block].kernel)
+        texts.append(compile_entries(source_of(made)))
+    assert len(kernels) == 1
+    assert ["lgamma" in text for text in texts] == [False, True]

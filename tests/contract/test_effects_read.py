@@ -58,5 +58,5 @@ def test_scenes_of_one_line_share_the_code_of_its_steps():
     """As many forms of code as sets of effects that a kernel reads."""
     cls = component_class("Catenary")
     sets = [(), ("steady_arm",), ("level_support",), ("steady_arm", "gravity_sag"), ("second_pantograph",), ("line_table",)]
-    given = {k: {repr(made.block.given(k, made.arguments)[2]) for made in map(cls, sets)} for k in ENTRIES}
-    assert {k: len(texts) for k, texts in given.items()} == {"initialize": 4, "step": 1, "outputs": 1}
+    handed = {k: {repr(made.block.handed(k, made.arguments)[2]) for made in map(cls, sets)} for k in ENTRIES}
+    assert {k: len(texts) for k, texts in handed.items()} == {"initialize": 2, "step": 1, "outputs": 1}
