@@ -140,12 +140,12 @@ def _torque(turbine: Any, ratio: float) -> float:
 
 def _one(scene: Scene, *classes: type) -> tuple[Any, Any]:
     """(component, settings) of the only unit of these classes."""
-    found = [name for name, cls in scene.component_classes.items() if issubclass(cls, classes)]
-    if len(found) != 1:
+    named = [name for name, cls in scene.component_classes.items() if issubclass(cls, classes)]
+    if len(named) != 1:
         names = " or ".join(cls.__name__ for cls in classes)
-        raise BadInput(scene.name, f"{len(found)} units {names}", "one", "As in the scene wind-pump-record.")
-    settings = scene.units[found[0]]
-    component = scene.component_classes[found[0]](settings.effects, settings.parameters, preset=settings.preset)
+        raise BadInput(scene.name, f"{len(named)} units {names}", "one", "As in the scene wind-pump-record.")
+    settings = scene.units[named[0]]
+    component = scene.component_classes[named[0]](settings.effects, settings.parameters, preset=settings.preset)
     component.initialize(0.0)
     return component, settings
 
@@ -174,8 +174,8 @@ def _best(water: Any, places: np.ndarray) -> tuple[float, float]:
     """Place and value of the largest value, sought between the neighbours of the best of the places."""
     k = int(np.argmax([water(x) for x in places.tolist()]))
     ends = [math.log(places[max(k - 1, 0)]), math.log(places[min(k + 1, places.size - 1)])]
-    found = minimize_scalar(lambda x: -water(math.exp(x)), bounds=ends, method="bounded", options={"xatol": 1e-3})
-    return math.exp(found.x), -float(found.fun)
+    optimum = minimize_scalar(lambda x: -water(math.exp(x)), bounds=ends, method="bounded", options={"xatol": 1e-3})
+    return math.exp(optimum.x), -float(optimum.fun)
 
 
 def wins(site: Site, lever: float, fixed: float) -> tuple[float, float]:
