@@ -17,7 +17,7 @@ from cosimo.tests.systems.equations import CLEARANCE, LOAD, ball_bearing, lumped
 
 G = 9.81  # m/s2
 ACCURACY = 0.01
-BUDGET = 5.0  # s of measuring, beside the reference
+BUDGET = 2.0  # s of measuring, beside the reference
 RAILWAY_BUDGET = 60.0  # s; a finer mesh may take a twentieth of it, on a busy machine, too
 FINE = 10_000  # instants of an independent solution beside those of the run
 

@@ -25,12 +25,12 @@ SHORT = {"stop_time": 0.5}
 
 
 def accuracy_of_a_scene(folder):
-    return for_accuracy(accuracy(load_scene("mass-on-spring").with_changes(SHORT), budget=10.0, repeats=1), folder)
+    return for_accuracy(accuracy(load_scene("mass-on-spring").with_changes(SHORT), budget=3.0, repeats=1), folder)
 
 
 def accuracy_with_failures(folder):
     scene = load_scene("mass-on-spring").with_changes({"stop_time": 4.0, "master.step": 4e-2})
-    return for_accuracy(accuracy(scene, budget=10.0, repeats=1), folder)
+    return for_accuracy(accuracy(scene, budget=3.0, repeats=1), folder)
 
 
 def accuracy_of_a_component(folder):
