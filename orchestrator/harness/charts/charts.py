@@ -9,20 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from .bands import BAND_POINTS, DRAWN_POINTS, banded, is_history, simplified
 from .blocks import Figure
 from .chart import Chart, Panel, Picture, Series
 from .style import (
     BINARY,
     CYCLE,
     DIVERGING,
-    DRAWN_POINTS,
     GREEN,
     INK,
     ORANGE,
     PURPLE,
     RAW,
     RISING,
-    SAMPLES,
     SHADES,
     SKY,
     VERMILION,
@@ -31,10 +30,8 @@ from .style import (
     label,
     layout,
     rectangle,
-    simplified,
     standing_colour,
     standing_dash,
-    thin_out,
     tint,
     vertical,
 )
@@ -62,7 +59,7 @@ class _Drawing:
     notes: list[dict[str, Any]] = field(default_factory=list)
     axes: dict[str, Any] = field(default_factory=dict)
     shown: set[str] = field(default_factory=set)
-    thinned: bool = False
+    banded: bool = False
 
     def first(self, name: str) -> bool:
         """Whether the name comes up for the first time, and so goes into the legend."""
@@ -102,7 +99,7 @@ def draw_chart(chart: Chart) -> Figure:
         margin={"l": 66, "r": 90 if scaled else 20, "t": above, "b": 50},
         **drawing.axes,
     )
-    text = chart.text + (" Drawn with fewer points; extremes are kept, zoom in for the rest." if drawing.thinned else "")
+    text = chart.text + (" Bands: from the least to the largest value; zoom in for all samples." if drawing.banded else "")
     return Figure(chart.title, {"data": drawing.data, "layout": figure_layout}, text)
 
 
@@ -149,7 +146,7 @@ def _panel(drawing: _Drawing, panel: Panel, n: str, place: tuple[list[float], li
     for s in panel.series:
         trace, cut = _trace(s, n, drawing.names, drawing.first(s.name), place)
         drawing.data.append(trace)
-        drawing.thinned |= cut
+        drawing.banded |= cut
 
 
 def _values(panel: Panel, which: str) -> np.ndarray:
@@ -324,19 +321,13 @@ def _bands(panel: Panel, n: str) -> tuple[list[dict[str, Any]], list[dict[str, A
     return shapes, notes
 
 
-def _thinned(s: Series) -> tuple[Any, Any, np.ndarray | None, bool]:
-    """(x, y, kept samples or None for all of them, whether fewer): categories and labelled points as they are."""
-    if s.labels or (len(s.x) and isinstance(s.x[0], str)):
-        return list(s.x), s.y, None, False
-    x, y = np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float)
+def _kept(s: Series, history: bool) -> np.ndarray | None:
+    """Samples that are drawn of a cloud or an orbit; None: all of them."""
+    if history or len(s.x) <= DRAWN_POINTS:
+        return None
     if s.kind == "dots":  # by chance: every k-th point of a motion of period k would be one place of it
-        kept = np.sort(np.random.default_rng(0).permutation(x.size)[:DRAWN_DOTS])
-        return x[kept], y[kept], kept, False
-    if not (np.diff(x) >= 0.0).all():  # an orbit: extremes of y over x mean nothing
-        kept = simplified(x, y, DRAWN_POINTS)
-        return x[kept], y[kept], kept, False
-    xs, ys, cut = thin_out(x, y)
-    return xs, ys, None, cut
+        return np.sort(np.random.default_rng(0).permutation(len(s.x))[:DRAWN_DOTS])
+    return simplified(np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float), DRAWN_POINTS)
 
 
 def _shading(shades: np.ndarray, kept: np.ndarray | None, text: str, place: tuple[list[float], list[float]]) -> dict[str, Any]:
@@ -360,15 +351,17 @@ def _trace(
 ) -> tuple[dict[str, Any], bool]:
     k = 0 if s.faint else names.index(s.name)
     colour = RAW if s.faint else CYCLE[k % len(CYCLE)]
-    x, y, kept, cut = _thinned(s)
-    dots = s.kind == "dots"
+    dots, named = s.kind == "dots", bool(s.labels) or (len(s.x) > 0 and isinstance(s.x[0], str))
+    history = named or (not dots and is_history(np.asarray(s.x, dtype=float)))
+    kept = _kept(s, history)
+    x, y = (s.x, s.y) if kept is None else (np.asarray(s.x)[kept], np.asarray(s.y)[kept])
     symbol = "circle" if dots else SYMBOLS[k % len(SYMBOLS)]
     marker: dict[str, Any] = {"color": colour, "size": 3 if dots else 8, "symbol": symbol}
     if len(s.shades):
         marker |= _shading(np.asarray(s.shades, dtype=float), kept, s.shade_label, place)
     trace: dict[str, Any] = {
         "type": "scatter",
-        "x": x if len(x) and isinstance(x[0], str) else drawn(x, 6),
+        "x": list(x) if len(x) and isinstance(x[0], str) else drawn(x, 6),
         "y": drawn(y),
         "name": s.name,
         "legendgroup": s.name,
@@ -381,8 +374,8 @@ def _trace(
     }
     if s.kind == "dashed":
         trace["line"]["dash"] = "dash"
-    if cut and s.kind == "line":
-        trace[SAMPLES] = np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float)
     if s.labels:
         trace |= {"text": list(s.labels), "hovertemplate": "%{text}<br>%{y:.4g}<extra>%{fullData.name}</extra>"}
-    return trace, cut
+    if history and not named and len(s.x) > DRAWN_POINTS:
+        return banded(trace, np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float), BAND_POINTS), True
+    return trace, False

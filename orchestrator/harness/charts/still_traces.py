@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from .bands import fewer
 from .still_axes import Axis, Spec
-from .style import CYCLE, INK, MUTED, PAPER, thin_out
+from .style import CYCLE, INK, MUTED, PAPER
 
 POINTS = 1000  # of a line: more than the picture has pixels across
 PIXELS = (320, 200)  # most of a map
@@ -55,12 +56,12 @@ def draw_trace(trace: Spec, panel: Sequence[Spec], x: Axis, y: Axis) -> str:
 
 
 def _scatter(trace: Spec, x: Axis, y: Axis) -> str:
+    if trace.get("mode") == "lines" and trace.get("fill") != "tozeroy":
+        trace = fewer(trace, POINTS)
     xs, ys = x.pixels(trace["x"]), y.pixels(trace["y"])
     mode, parts = trace.get("mode", "lines"), []
     if "lines" in mode and xs.size:
-        parts.append(
-            _path(trace, *_fewer(xs, ys), float(np.clip(y.pixel(0.0), y.end, y.start)) if not y.logarithmic else y.start)
-        )
+        parts.append(_path(trace, xs, ys, float(np.clip(y.pixel(0.0), y.end, y.start)) if not y.logarithmic else y.start))
     if "markers" in mode:
         marker = trace.get("marker", {})
         colours, sizes = marker_colours(marker, xs.size, trace), np.broadcast_to(marker.get("size", 6), xs.size)
@@ -70,15 +71,6 @@ def _scatter(trace: Spec, x: Axis, y: Axis) -> str:
             if math.isfinite(a) and math.isfinite(b)
         ]
     return "".join(parts)
-
-
-def _fewer(xs: np.ndarray, ys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """No more points than can be seen; extremes of a history stay."""
-    known = xs[~np.isnan(xs)]
-    if known.size == xs.size and (np.diff(known) >= 0.0).all():
-        return thin_out(xs, ys, POINTS)[:2]
-    every = max(1, xs.size // (4 * POINTS))
-    return xs[::every], ys[::every]
 
 
 def _path(trace: Spec, xs: np.ndarray, ys: np.ndarray, zero: float) -> str:
@@ -91,7 +83,9 @@ def _path(trace: Spec, xs: np.ndarray, ys: np.ndarray, zero: float) -> str:
         own = piece[shown[piece]]
         if own.size:
             commands.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(xs[own], ys[own], strict=True)))
-            if trace.get("fill") == "tozeroy":
+            if trace.get("fill") == "toself":
+                fill += f'<path d="{commands[-1]}Z" fill="{trace.get("fillcolor", "none")}"/>'
+            elif trace.get("fill") == "tozeroy":
                 area = f"{commands[-1]}L{xs[own[-1]]:.1f} {zero:.1f}L{xs[own[0]]:.1f} {zero:.1f}Z"
                 fill += f'<path d="{area}" fill="{trace.get("fillcolor", "none")}"/>'
     dash = DASHES.get(style.get("dash", ""), "")

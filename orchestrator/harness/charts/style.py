@@ -32,8 +32,7 @@ DARK = {
     "#67a9cf": "#4386ad", "#f1a340": "#b8721f", "#00795a": "#2fc295", "#b34a00": "#ff8742", "#8a6000": "#eeb13c", "#1b6fa0": "#8cd0f5",
 }  # fmt: skip
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
-SAMPLES = "samples"  # of a trace: all of what it shows the extremes of, (x, y); nothing that Plotly knows
-DRAWN_POINTS = 8_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
+SAMPLES = "samples"  # of a trace: all of what it shows the band of, (x, y); nothing that Plotly knows
 
 # of a layout: the legend is a column to the right of the panel
 LEGEND_RIGHT: dict[str, Any] = {
@@ -98,14 +97,6 @@ def line(
         "line": {"color": colour, "width": width, "dash": dash},
     }
     return base | ({"hovertemplate": hover + "<extra></extra>"} if hover else {}) | more
-
-
-def dense_line(
-    x: np.ndarray, y: np.ndarray, name: str, colour: str, width: float = 1.8, *, points: int = DRAWN_POINTS, **more: Any
-) -> tuple[dict[str, Any], bool]:
-    """(a `line`, whether it has fewer points than there are samples): then a page shows the samples where one zooms in."""
-    xs, ys, thinned = thin_out(x, y, points)
-    return line(xs, ys, name, colour, width, **more) | ({SAMPLES: (x, y)} if thinned else {}), thinned
 
 
 def markers(
@@ -183,42 +174,6 @@ def standing_colour(standing: str) -> str:
 def standing_dash(standing: str) -> str:
     """Dash of a range's border."""
     return "dash" if standing in ("unconfirmed", "inferred") else "solid"
-
-
-def thin_out(x: np.ndarray, y: np.ndarray, points: int = DRAWN_POINTS) -> tuple[np.ndarray, np.ndarray, bool]:
-    """(x, y, thinned): for drawing only, at most about `points` samples, keeping the extremes of every bin."""
-    if x.size <= points:
-        return x, y, False
-    edges = np.linspace(0, x.size, points // 2 + 1).astype(int)[:-1]
-    size = np.diff(np.append(edges, x.size))
-    gap = np.isnan(y)
-    keep = [_first(np.where(gap, np.inf, y), np.minimum, edges, size), _first(np.where(gap, -np.inf, y), np.maximum, edges, size)]
-    if gap.any():  # one of each bin that has some, so that the line stays broken there
-        keep.append(np.intersect1d(_first(gap.astype(float), np.maximum, edges, size), np.flatnonzero(gap)))
-    at = np.unique(np.concatenate(keep))
-    return x[at], y[at], True
-
-
-def _first(y: np.ndarray, extreme: np.ufunc, edges: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Positions of the first sample of each bin that is the bin's extreme. edges, size: (n,), of the bins."""
-    hits = np.flatnonzero(y == np.repeat(extreme.reduceat(y, edges), size))
-    return hits[np.unique(np.repeat(np.arange(edges.size), size)[hits], return_index=True)[1]]
-
-
-def simplified(x: np.ndarray, y: np.ndarray, points: int) -> np.ndarray:
-    """Positions of at most about `points` samples of a path, an orbit say, that leave its shape: each sample that is left out is
-    near the line through its neighbours. The distance, first 1/4000 of the extent, grows until there are few enough."""
-    kept, near = np.arange(x.size), 1.0 / 4000.0
-    scale = [float(np.nanmax(v) - np.nanmin(v)) or 1.0 if np.isfinite(v).any() else 1.0 for v in (x, y)]
-    path = (np.asarray(x, dtype=float) / scale[0]) + 1j * (np.asarray(y, dtype=float) / scale[1])
-    while kept.size > points and near < 1.0:
-        before, here, behind = (path[kept[k : kept.size - 2 + k : 2]] for k in range(3))
-        along = behind - before
-        share = np.clip(((here - before) * along.conj()).real / np.maximum(np.abs(along) ** 2, 1e-300), 0.0, 1.0)
-        gone = np.abs(here - before - share * along) < near  # False of a gap, NaN
-        kept = np.delete(kept, 1 + 2 * np.flatnonzero(gone))
-        near *= 1.0 if np.count_nonzero(gone) > 0.02 * gone.size else 1.4
-    return kept
 
 
 def drawn(values: Any, digits: int = 5) -> list[Any]:

@@ -1,6 +1,6 @@
 """Figures as they stand in a page: no more points than the page has room for, and numbers as bytes instead of text.
 
-Lines that lose points there keep their samples in a part of the page of its own, or a file beside it, from which they come where
+Lines that are bands there keep their samples in a part of the page of its own, or a file beside it, from which they come where
 one zooms in.
 """
 
@@ -15,13 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from ..charts.style import SAMPLES, simplified, thin_out
+from ..charts.bands import band, fewer, is_history, samples_of
+from ..charts.style import SAMPLES
 
 ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
 SAMPLES_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
 SAMPLES_INSIDE = 1_000_000  # numbers of samples in a page, compressed: at most about 5 MB
-LONG = 500  # points from which a line may be thinned
-FEWEST = 1700  # points of a thinned line: the extremes of about a pixel each, so that it fills the band between them
+LONG = 500  # points from which a line may become a band
+FEWEST = 1000  # points of a band's outline
 PACKED = 50  # numbers from which an array becomes bytes
 
 Spec = dict[str, Any]  # a Plotly figure
@@ -32,13 +33,16 @@ def embedded(figures: Sequence[Spec]) -> tuple[list[Spec], int]:
     lines = [len(trace["x"]) for figure in figures for trace in figure["data"] if _is_long_line(trace)]
     rest = sum(_size(a) for figure in figures for trace in figure["data"] for a in _arrays(trace).values()) - 2 * sum(lines)
     points = _fitting(lines, ROOM - rest)
-    return [{**figure, "data": [_packed(_thinned(t, points)) for t in figure["data"]]} for figure in figures], points
+    return [
+        {**figure, "data": [_packed(fewer(t, points) if points and _is_long_line(t) else t) for t in figure["data"]]}
+        for figure in figures
+    ], points
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What lines have lost. content: {"arrays": packed numbers, "lines": figure -> trace -> places of its x and y there}, both
-    counted from 0.  points: the most that a line has there, 0 where none lost any.
+    """What bands are of. content: {"arrays": packed numbers, "lines": figure -> trace -> places there of the columns of `band`},
+    both counted from 0.  points: the most rows that a line has there, 0 where all of them have all samples.
     """
 
     content: dict[str, Any]
@@ -46,35 +50,28 @@ class Samples:
 
 
 def lost_samples(figures: Sequence[Spec], points: int, room: int) -> Samples:
-    """Samples of the lines that have fewer points in the page than there were. points: the most that a line has there."""
+    """Samples of the lines that are bands in the page. points: the most that another line has there, see `embedded`."""
     lost = {
-        (k, i): samples
+        (k, i): (x, y)
         for k, figure in enumerate(figures)
         for i, trace in enumerate(figure["data"])
-        if (samples := _samples(trace, points)) is not None and (np.diff(samples[0]) >= 0.0).all()
-    }  # no orbits
+        if SAMPLES in trace or (points and _is_long_line(trace) and len(trace["x"]) > points)
+        for x, y in [samples_of(trace)]
+        if is_history(x)
+    }
     most = _fitting([x.size for x, _ in lost.values()], room)
     arrays: list[Any] = []
     places: dict[bytes, int] = {}  # most lines share their times
     lines: dict[str, dict[str, tuple[int, ...]]] = {}
     for (k, i), (x, y) in lost.items():
-        both = thin_out(x, y, most)[:2] if most else (x, y)
-        for values in both:
-            if (key := sha256(values.tobytes()).digest()) not in places:
+        columns = band(x, y, most // 2) if most else (x, y, y)
+        keys = [sha256(values.tobytes()).digest() for values in columns]
+        for key, values in zip(keys, columns, strict=True):
+            if key not in places:
                 places[key] = len(arrays)
                 arrays.append(_bytes(values))
-        lines.setdefault(str(k), {})[str(i)] = tuple(places[sha256(v.tobytes()).digest()] for v in both)
-    return Samples({"arrays": arrays, "lines": lines} if lines else {}, most)
-
-
-def _samples(trace: Spec, points: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """(x, y) of a line that has fewer points in the page, as floats; None of others."""
-    if SAMPLES in trace:
-        x, y = trace[SAMPLES]
-        return np.ascontiguousarray(x, dtype=float), np.ascontiguousarray(y, dtype=float)
-    if points and _is_long_line(trace) and len(trace["x"]) > points:
-        return _numbers(trace["x"]), _numbers(trace["y"])
-    return None
+        lines.setdefault(str(k), {})[str(i)] = tuple(places[key] for key in keys)
+    return Samples({"arrays": arrays, "lines": lines} if lines else {}, most // 2)
 
 
 def _fitting(lines: Sequence[int], room: int) -> int:
@@ -90,6 +87,8 @@ def _fitting(lines: Sequence[int], room: int) -> int:
 def _is_long_line(trace: Mapping[str, Any]) -> bool:
     """Whether it is a plain line of numbers whose points have nothing of their own."""
     if trace.get("type") != "scatter" or trace.get("mode") != "lines" or len(trace.get("x", ())) <= LONG:
+        return False
+    if trace.get("fill", "toself") != "toself":
         return False
     return len(_arrays(trace)) == 2 and not any(isinstance(trace.get(k), list) for k in ("text", "customdata", "hovertext"))
 
@@ -110,24 +109,8 @@ def _size(values: Sequence[Any]) -> int:
     return sum(len(v) if isinstance(v, list) else 1 for v in values) if list in set(map(type, values)) else len(values)
 
 
-def _thinned(trace: Spec, points: int) -> Spec:
-    if not points or not _is_long_line(trace):
-        return trace
-    x, y = _numbers(trace["x"]), _numbers(trace["y"])
-    if (np.diff(x) < 0.0).any():  # an orbit has no extremes over x
-        kept = simplified(x, y, points)
-        x, y = x[kept], y[kept]
-    else:
-        x, y, _ = thin_out(x, y, points)
-    return {**trace, "x": _listed(x), "y": _listed(y)}
-
-
 def _numbers(values: Sequence[Any]) -> np.ndarray:
     return np.array(values, dtype=float)  # None becomes NaN
-
-
-def _listed(values: np.ndarray) -> list[float | None]:
-    return [None if np.isnan(v) else float(v) for v in values]
 
 
 def _packed(trace: Spec) -> Spec:

@@ -12,10 +12,11 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...run.run_info import flattened
 from ...run.run_record import EffectsRecord
+from ..charts.bands import dense_line
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.signals import axis_of
-from ..charts.style import CYCLE, axis, dense_line, layout, number
+from ..charts.style import CYCLE, axis, layout, number
 from ..preferred_units import preferred
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ def time_series(result: Result) -> list[Figure]:
     tall = (1 - gap * (n - 1)) / n
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
-    thinned = False
+    banded = False
     for i, (declared, members) in enumerate(panels):
         size = max(float(np.nanmax(np.abs(signals[n]), initial=0.0)) for n in members)
         unit, factor = preferred(declared, size, members[0])
@@ -129,7 +130,7 @@ def time_series(result: Result) -> list[Figure]:
             trace, cut = dense_line(
                 result.time, factor * signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k
             )
-            thinned |= cut
+            banded |= cut
             data.append(trace)
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
     rest = len(names) - SHOWN_SIGNALS
@@ -140,7 +141,7 @@ def time_series(result: Result) -> list[Figure]:
             [
                 f"{rest} more signals are in result.csv." if rest > 0 else "",
                 f"Constant: {still}{' and others' if len(constant) > SHOWN_SIGNALS else ''}." if constant else "",
-                "The chart has fewer points than the recording but all extremes; zoom in for all points." if thinned else "",
+                "Bands: from the least to the largest value; zoom in for all samples." if banded else "",
             ],
         )
     )

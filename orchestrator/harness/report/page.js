@@ -24,9 +24,8 @@ function flatter(element, layout) {
   layout.height = Math.round(Math.min(Math.max(PRINTED * (layout.height - around), 130) + around, 620)); // of many panels, too
   element.style.height = `${layout.height}px`;
 }
-// Lines with fewer points than there were get them back where one zooms in, from the file beside the page.
+// Bands become the lines that they are of where one zooms in, from samples in the page or the file beside it.
 const samplesFile = document.getElementById("page").dataset.samples;
-const DRAWN = 4000; // points of a line in view; of more, the extremes of each of half as many pieces
 let loading;
 const samples = () => (loading ??= samplesFile ? fromFile() : unpacked("samples-inside").then((json) => {
   window.samples = JSON.parse(json); return true;
@@ -46,35 +45,21 @@ function place(x, value) { // of the first that is not below a value
   while (low < high) { const middle = (low + high) >> 1; if (x[middle] < value) low = middle + 1; else high = middle; }
   return low;
 }
-// Places to draw from `first` to before `last`: all, or of each piece its least, its largest and one gap.
-function extremes(y, first, last) {
-  const count = last - first, pieces = DRAWN / 2, kept = [];
-  if (count <= DRAWN) return Array.from({ length: count }, (_, k) => first + k);
-  for (let piece = 0; piece < pieces; piece++) {
-    const end = first + Math.floor((count * (piece + 1)) / pieces);
-    let least = -1, largest = -1, gap = -1;
-    for (let k = first + Math.floor((count * piece) / pieces); k < end; k++) {
-      if (Number.isNaN(y[k])) gap = k;
-      else { if (least < 0 || y[k] < y[least]) least = k; if (largest < 0 || y[k] > y[largest]) largest = k; }
-    }
-    kept.push(...[...new Set([least, largest, gap])].filter((k) => k >= 0).sort((a, b) => a - b));
-  }
-  return kept;
-}
 async function refine(element, coarse) {
   if (!(await samples())) return;
   const of = window.samples.lines[element.id.slice(1) - 1] ?? {}, traces = [], xs = [], ys = [];
-  for (const [trace, [a, b]] of Object.entries(of)) {
-    const [x, y] = [a, b].map((k) => numbers(window.samples.arrays[k]));
-    const [cx, cy] = [coarse[trace].x, coarse[trace].y].map(plain);
+  for (const [trace, places] of Object.entries(of)) {
+    const rows = places.map((k) => numbers(window.samples.arrays[k])), [x] = rows;
+    const coarsely = unfolded(plain(coarse[trace].x), plain(coarse[trace].y)), [cx] = coarsely;
     const axis = element._fullLayout["xaxis" + coarse[trace].xaxis.slice(1)];
-    const [low, high] = axis.range[0] < axis.range[1] ? axis.range : [...axis.range].reverse();
+    const [low, high] = axis.range.map((v) => (axis.type === "log" ? 10 ** v : v)).sort((a, b) => a - b);
     const margin = 0.5 * (high - low); // drawn finely beyond the view, for a little panning
     const first = Math.max(0, place(x, low - margin) - 1), last = Math.min(x.length, place(x, high + margin) + 1);
-    const kept = first < last && last - first < x.length ? extremes(y, first, last) : null;
-    const before = kept ? place(cx, x[first]) : cx.length, after = kept ? place(cx, x[last - 1]) : cx.length;
-    const whole = (few, all) => [...few.slice(0, before), ...(kept ?? []).map((k) => all[k]), ...few.slice(after)];
-    traces.push(Number(trace)); xs.push(whole(cx, x)); ys.push(whole(cy, y));
+    const fine = first < last && last - first < x.length;
+    const [before, after] = fine ? [place(cx, x[first]), place(cx, x[last - 1])] : [cx.length, cx.length];
+    const kept = fine ? band(rows, first, last) : [[], [], []];
+    const drawn = outline(coarsely.map((column, k) => [...column.slice(0, before), ...kept[k], ...column.slice(after)]));
+    traces.push(Number(trace)); xs.push(drawn.x); ys.push(drawn.y);
   }
   if (traces.length) await Plotly.restyle(element, { x: xs, y: ys }, traces);
 }

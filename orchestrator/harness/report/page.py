@@ -101,7 +101,7 @@ def write_page(page: Page, path: Path) -> Path:
             css=asset("page.css"),
             paper=delivery.paper,
             dark=DARK,
-            script=asset("shared.js") + asset("page.js"),
+            script=asset("shared.js") + asset("bands.js") + asset("page.js"),
             motion_script=asset("motion.js") if any(b.kind == "motion" for s in page.sections for b in s.blocks) else "",
             motion_data=motion_data,
             still_motion=still_motion,

@@ -86,7 +86,7 @@ def page_of(scene: Scene) -> str:
         title=scene.title or scene.name,
         drawing=str(scene.show()),
         css=asset("page.css") + _asset("served.css"),
-        script=_asset("served.js"),
+        script=asset("bands.js") + _asset("served.js"),
         layout=layout(**plain, xaxis=axis("time, s"), yaxis=axis("", grid=True)),
     )
 

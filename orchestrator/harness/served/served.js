@@ -1,7 +1,7 @@
 // The page asks for steps, one request after the other, and draws what comes. Names: see application.py.
 "use strict";
 const by = id => document.getElementById(id);
-const LONGEST = 20000; // points that a curve keeps: the file has all
+const LONGEST = 20000; // rows [x, least, largest] that a curve keeps: of more, neighbours become one. The file has all samples
 let scene, shown = [], data = {}, running = false, begun = false, over = false, time = 0, busy = false, before = 0, revision = 0;
 
 async function ask(action, content = {}) {
@@ -71,17 +71,22 @@ const starts = {};
 
 function choose(name, wanted) {
   shown = wanted ? [...shown, name] : shown.filter(n => n !== name);
-  data[name] = {x: [], y: []};
+  data[name] = [[], [], []];
   draw();
 }
 
 function keep(times, rows, names) {
   names.forEach((name, k) => {
-    const curve = data[name] ??= {x: [], y: []};
-    times.forEach((t, i) => { curve.x.push(t); curve.y.push(rows[i][k]); });
-    if (curve.x.length > LONGEST) for (const axis of ["x", "y"]) curve[axis] = curve[axis].filter((_, i) => i % 2 === 0);
+    const curve = data[name] ??= [[], [], []];
+    times.forEach((t, i) => { const y = rows[i][k] ?? NaN; [t, y, y].forEach((value, c) => curve[c].push(value)); });
+    if (curve[0].length > LONGEST) data[name] = halved(curve);
   });
 }
+
+const halved = rows => rows.map((column, c) => Array.from({length: Math.ceil(column.length / 2)}, (_, k) => {
+  const both = column.slice(2 * k, 2 * k + 2).filter(v => !Number.isNaN(v));
+  return !both.length ? NaN : c === 0 ? both[0] : c === 1 ? Math.min(...both) : Math.max(...both);
+}));
 
 function draw() { // a picture for each unit of measure
   const panels = new Map();
@@ -90,7 +95,8 @@ function draw() { // a picture for each unit of measure
   while (places.children.length > panels.size) places.lastChild.remove();
   while (places.children.length < panels.size) places.append(element("div", {className: "plot", role: "img"}));
   [...panels].forEach(([unit, names], k) => {
-    const lines = names.map(n => ({x: data[n]?.x ?? [], y: data[n]?.y ?? [], name: n, mode: "lines", line: {width: 1.6}}));
+    const lines = names.map((n, k) => ({...outline(band(data[n] ?? [[], [], []], 0, data[n]?.[0].length ?? 0)), name: n, mode: "lines", fill: "toself", hoveron: "points",
+      line: {width: 1.6, color: LAYOUT.colorway[k % LAYOUT.colorway.length]}, fillcolor: LAYOUT.colorway[k % LAYOUT.colorway.length] + "66"}));
     const layout = {...LAYOUT, xaxis: {...LAYOUT.xaxis}, yaxis: {...LAYOUT.yaxis, title: {text: unit}}, datarevision: ++revision, legend: {orientation: "h", y: 1.02, yanchor: "bottom"}, uirevision: "kept"};
     places.children[k].setAttribute("aria-label", names.join(", ") + " over time");
     Plotly.react(places.children[k], lines, layout, {displayModeBar: false, responsive: true});

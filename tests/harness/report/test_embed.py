@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.charts.style import thin_out
+from cosimo.orchestrator.harness.charts.bands import band, outline
 from cosimo.orchestrator.harness.report.embed import FEWEST, ROOM, embedded
 from cosimo.orchestrator.harness.report.generic import time_series
 
@@ -77,16 +77,24 @@ def test_pictures_and_times_that_single_precision_would_merge_come_back():
     assert back(spec["data"][1]["x"]).tolist() == late
 
 
-def test_a_thinned_line_stays_broken_where_it_was():
-    y = np.sin(np.linspace(0.0, 60.0, 20_000))
+def test_a_band_holds_every_sample_and_stays_broken_where_the_line_is():
+    """Of each piece the least and the largest value; the piece of a gap ends the outline, of which a short history is its own."""
+    x, y = np.arange(20_000.0), np.sin(np.linspace(0.0, 600.0, 20_000))
     y[5000:9000] = np.nan
     y[12_345], y[12_346] = 7.0, np.nan
-    x, thin, cut = thin_out(np.arange(20_000.0), y, 1000)
-    assert cut
-    assert np.nanmax(thin) == 7.0
-    assert np.isnan(thin[(x >= 5000) & (x < 9000)]).all()
-    assert np.isnan(thin[x == 12_346]).all()
-    assert (x == 12_346).any()
+    at, least, largest = band(x, y, 500)
+    for k in np.flatnonzero(~np.isnan(y)):
+        piece = np.flatnonzero((np.abs(at - x[k]) <= 40.0) & ~np.isnan(least))
+        assert least[piece].min() <= y[k] <= largest[piece].max()
+    assert (at[0], at[-1], np.nanmax(largest)) == (0.0, 19_999.0, 7.0)
+    assert not ((at > 5040) & (at < 8960) & ~np.isnan(least)).any()
+    xs, ys = outline(at, least, largest)
+    assert np.count_nonzero(np.isnan(xs)) == 2  # three closed lines
+    assert np.array_equal(np.isnan(xs), np.isnan(ys))
+    first = np.flatnonzero(np.isnan(xs))[0]
+    assert np.array_equal(xs[:first], xs[:first][::-1])  # there and back
+    assert (ys[:first] >= ys[:first][::-1])[: first // 2].all()  # the largest values, then the least
+    assert all(np.array_equal(column, y[:100]) for column in band(x[:100], y[:100], 500)[1:])
 
 
 def test_signals_share_an_axis_by_unit_of_measure_and_size():

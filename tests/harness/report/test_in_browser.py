@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from cosimo import BadInput, delivered, load_scene, run, write_report
 from cosimo import compare as compare_runs
+from cosimo.orchestrator.harness.charts.bands import dense_line
 from cosimo.orchestrator.harness.charts.blocks import Figure
-from cosimo.orchestrator.harness.charts.style import axis, dense_line, layout
+from cosimo.orchestrator.harness.charts.style import axis, layout
 from cosimo.orchestrator.harness.report import for_cases
 from cosimo.orchestrator.harness.report.page import Page, Section, write_page
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
@@ -123,8 +124,8 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path, pla
     page.on("pageerror", lambda error: errors.append(str(error)))
     x = np.linspace(0.0, 100.0, 60_001)
     y = np.sin(400.0 * x) + (np.abs(x - 50.0) < 0.002)
-    trace, thinned = dense_line(x, y, "oscillation", "#0072b2")
-    assert thinned
+    trace, banded = dense_line(x, y, "oscillation", "#0072b2")
+    assert banded
     figure = Figure("Dense", {"data": [trace], "layout": layout(400, xaxis=axis("time, s"), yaxis=axis("m"))})
     with delivered(place):
         path = write_page(Page("Dense lines", "", [Section("Signals", [figure])]), tmp_path / "page.html")
@@ -144,8 +145,10 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path, pla
     assert 0.5 < high - low < 2.0
     seen = (x > low) & (x < high)
     fine = drawn_in(page, low, high)
-    assert fine.shape[1] == np.count_nonzero(seen) > 2 * np.count_nonzero((coarse[0] > low) & (coarse[0] < high))
-    assert np.abs(fine - [x[seen], y[seen]]).max() < 1e-5
+    there, back = np.split(fine, 2, axis=1)  # of an outline without width
+    assert there.shape[1] == np.count_nonzero(seen) > 2 * np.count_nonzero((coarse[0] > low) & (coarse[0] < high))
+    assert np.array_equal(there, back[:, ::-1])
+    assert np.abs(there - [x[seen], y[seen]]).max() < 1e-5
     page.wait_for_timeout(500)  # Plotly takes a click so soon after the drag began for the drag's second
     page.mouse.dblclick(box["x"] + 0.5 * box["width"], middle)
     page.wait_for_function(f"document.querySelector('.plot')._fullData[0].x.length == {coarse.shape[1]}")

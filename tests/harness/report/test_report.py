@@ -7,9 +7,10 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from cosimo.orchestrator.harness import report
+from cosimo.orchestrator.harness.charts.bands import BAND_POINTS
 from cosimo.orchestrator.harness.charts.chart import Band, Chart, Grid, Panel, Series
 from cosimo.orchestrator.harness.charts.charts import draw_chart
-from cosimo.orchestrator.harness.charts.style import number, thin_out
+from cosimo.orchestrator.harness.charts.style import SAMPLES, number
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.settings import AnalysisKeys
@@ -168,16 +169,16 @@ def test_not_finite_numbers_become_gaps():
     assert trace["y"] == [1.0, None, None]
 
 
-def test_thinning_keeps_extremes():
-    x = np.arange(100_000.0)
-    y = np.sin(x)
+def test_a_long_history_is_drawn_as_the_band_between_its_extremes_and_keeps_its_samples():
+    x, y = np.arange(100_000.0), np.sin(np.arange(100_000.0))
     y[77_777] = 40.0
-    xs, ys, cut = thin_out(x, y, 2000)
-    assert cut
-    assert xs.size <= 2002
-    assert ys.max() == 40.0
-    assert (np.diff(xs) > 0).all()
-    assert thin_out(x[:100], y[:100])[2] is False
+    figure = draw_chart(Chart("t", "x", (Panel("y", (Series("s", x, y), Series("short", x[:90], y[:90]))),)))
+    long, short = figure.figure["data"]
+    assert len(long["x"]) <= BAND_POINTS
+    assert (long["fill"], max(long["y"]), min(long["y"])) == ("toself", 40.0, -1.0)
+    assert np.array_equal(long[SAMPLES], (x, y))
+    assert "fill" not in short
+    assert "Bands" in figure.caption
 
 
 @pytest.mark.parametrize(

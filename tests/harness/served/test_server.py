@@ -83,7 +83,7 @@ def test_the_page_moves_an_input_and_shows_errors(address, browser):  # noqa: F8
     page.select_option("#pace", "0")
     page.click("#run")
     page.wait_for_function("document.getElementById('status').textContent.includes('done')", timeout=WAIT)
-    drawn = page.evaluate("document.querySelector('#curves .plot').data.map(c => [c.name, c.y.at(-1)])")
+    drawn = page.evaluate("document.querySelector('#curves .plot').data.map(c => [c.name, c.y[c.y.length / 2]])")
     assert dict(drawn)["first.x"] == pytest.approx(3.0)
     assert page.evaluate("document.querySelector('#curves .plot').calcdata[0].length") > 50  # drawn, not only held
     page.click("#errors")

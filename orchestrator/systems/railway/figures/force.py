@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....harness.analysis.signals import ButterworthFilter, amplitude_spectrum, uniform, window
+from ....harness.charts.bands import dense_line
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
@@ -19,7 +20,6 @@ from ....harness.charts.style import (
     RAW,
     VERMILION,
     axis,
-    dense_line,
     drawn,
     label,
     layout,
@@ -57,7 +57,7 @@ def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], l
     shapes.append(rectangle((start, end), (0, 1), BLUE, 0.045, xref="x", yref="paper"))
     notes.append(label("analysis window", start, 0.0, xref="x", xanchor="left", yanchor="bottom"))
     shapes += [_band(r, (0, 1), 0.13, "x domain") for r in rows if r.reference.measure in ("mean", "max", "min") and _closed(r)]
-    traces, thinned = _force_traces(passages, low_pass)
+    traces, banded = _force_traces(passages, low_pass)
     data = [*traces]
     axes: dict[str, Any] = {}
     if ladder:
@@ -80,8 +80,8 @@ def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], l
             " Bands: ranges of the mean, the actual maximum and the actual minimum. At the right: the measured numbers (dots) in "
             "their ranges; a diamond lies outside."
         )
-    if thinned:
-        caption += " Drawn with fewer points than recorded; extremes are kept."
+    if banded:
+        caption += " Bands: from the least to the largest value; zoom in for all samples."
     figure = {
         "data": data,
         "layout": layout(
@@ -116,7 +116,7 @@ def _closed(row: Row) -> bool:
 
 
 def _force_traces(passages: list[Passage], low_pass: ButterworthFilter) -> tuple[list[dict[str, Any]], bool]:
-    data, thinned = [], False
+    data, banded = [], False
     for i, p in enumerate(passages):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
         who = f"{p.pantograph}: " if len(passages) > 1 else ""
@@ -126,9 +126,9 @@ def _force_traces(passages: list[Passage], low_pass: ButterworthFilter) -> tuple
             (low_pass.apply(force, rate), f"filtered, {low_pass.cutoff:g} Hz", CYCLE[i], 2.2),
         ):
             trace, cut = dense_line(x, y, who + name, colour, width, hover="%{x:.1f} m: %{y:.1f} N")
-            thinned |= cut
+            banded |= cut
             data.append(trace)
-    return data, thinned
+    return data, banded
 
 
 def _force_range(traces: list[dict[str, Any]], rows: list[Row], low: float, high: float) -> list[float]:

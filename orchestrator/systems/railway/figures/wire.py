@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .....components.railway.mesh import NO_WIRE
+from ....harness.charts.bands import dense_line
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
@@ -18,7 +19,6 @@ from ....harness.charts.style import (
     RULE,
     VERMILION,
     axis,
-    dense_line,
     drawn,
     label,
     layout,
@@ -54,7 +54,6 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
             f"support at {x:g} m{until}",
             colour,
             2.0 if inside else 1.2,
-            points=4000,
             dash="solid" if inside else "dot",
             hover="%{x:.3f} s: %{y:.1f} mm",
         )
