@@ -79,7 +79,7 @@ def draw_chart(chart: Chart) -> Figure:
     titled, labelled = (any(bool(getattr(p, what)) for p in chart.panels) for what in ("title", "x_label"))
     scaled = any(p.picture is not None and p.picture.palette != "binary" for p in chart.panels)
     scaled |= any(len(s.shades) for s in series)
-    gap_x, gap_y = 0.09 + 0.05 * scaled, ((44 if titled else 26) + 42 * labelled) / inner
+    gap_x, gap_y = 0.12 + 0.04 * scaled, ((44 if titled else 26) + 42 * labelled) / inner
     width, tall = (1 - gap_x * (columns - 1)) / columns, (1 - gap_y * (rows - 1)) / rows
     for i, panel in enumerate(chart.panels):
         row, column = divmod(i, columns)
@@ -218,7 +218,7 @@ def _lines(drawing: _Drawing, panel: Panel, n: str, ends: tuple[float, float]) -
         }
         drawing.data.append(trace)
         for at, text in family.at:
-            side = _side(at, room, everywhere, taken) if text else 0
+            side = _side(at, room, [*everywhere, shared[0]], taken) if text else 0
             if side:
                 taken.append((min(at, at + side * room), max(at, at + side * room)))
                 font, anchor = {"size": 11, "color": colour}, "left" if side > 0 else "right"

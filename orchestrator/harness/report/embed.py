@@ -10,6 +10,7 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from textwrap import wrap
 from types import NoneType
 from typing import Any
 
@@ -22,7 +23,8 @@ ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
 SAMPLES_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
 SAMPLES_INSIDE = 1_000_000  # numbers of samples in a page, compressed: at most about 5 MB
 LONG = 500  # points from which a line may become a band
-FEWEST = 1000  # points of a band's outline
+FEWEST = 1700  # points of a band's outline
+FLATTER, LETTER = 0.66, 6.6  # of a figure in print; px, about, of a letter of an axis' title
 PACKED = 50  # numbers from which an array becomes bytes
 
 Spec = dict[str, Any]  # a Plotly figure
@@ -37,6 +39,21 @@ def embedded(figures: Sequence[Spec]) -> tuple[list[Spec], int]:
         {**figure, "data": [_packed(fewer(t, points) if points and _is_long_line(t) else t) for t in figure["data"]]}
         for figure in figures
     ], points
+
+
+def _wrapped(layout: Spec) -> Spec:
+    """The layout with titles of y axes that are longer than their axis in several lines, also where a printed figure is flatter."""
+    inner = layout.get("height", 0) - sum(layout.get("margin", {}).get(k, 0) for k in "tb")
+    wrapped = {}
+    for key, axis in layout.items():
+        if not (key.startswith("yaxis") and isinstance(axis, Mapping) and (text := axis.get("title", {}).get("text", ""))):
+            continue
+        low, high = axis.get("domain", (0.0, 1.0))
+        letters = max(int(FLATTER * inner * (high - low) / LETTER), 10)
+        if len(text) > letters:
+            lines = wrap(text, letters, break_long_words=False, break_on_hyphens=False)
+            wrapped[key] = {**axis, "title": {**axis["title"], "text": "<br>".join(lines)}}
+    return {**layout, **wrapped}
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,12 @@ SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
 # of a scene: in the drawing, among the parameters of the units, on the first page, of no run
 _ELSEWHERE = re.compile(r"connections|units\..*\.parameters\.|document\.|explore\.")
 _ELEMENT = re.compile(r"\[[\d,]+\]$")
+PANEL, GAP, ENTRY = (
+    110,
+    24,
+    29,
+)  # px, of a panel of recorded signals at least, between them, of an entry of its legend, in print too
+TURN, UNWRAPPED = 2.0 * np.pi, ", unwrapped"  # rad; behind the name of an angle that goes around
 UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
 
@@ -103,20 +109,25 @@ def _column(values: Sequence[str | float]) -> tuple[list[str], bool]:
 def time_series(result: Result) -> list[Figure]:
     """Recorded signals over time: one panel for each unit of measure and size; a signal that does not change is only named."""
     signals = {n: np.asarray(v, dtype=float) for n, v in result.columns.items() if n != "time"}
+    for name, angle in list(signals.items()):
+        if result.measures.get(name) == "rad" and _wraps(angle):
+            del signals[name]
+            signals[name + UNWRAPPED] = np.unwrap(angle)
     constant = [n for n, y in signals.items() if y.size and np.all(y == y[0])]
     names = [n for n in signals if n not in constant]
     shown = names[:SHOWN_SIGNALS]
+    measures = {n: result.measures.get(n.removesuffix(UNWRAPPED), "") for n in shown}
     panels = [
         panel
-        for unit in dict.fromkeys(result.measures.get(n, "") for n in shown)
-        for panel in _panels(unit, {n: signals[n] for n in shown if result.measures.get(n, "") == unit})
+        for unit in dict.fromkeys(measures.values())
+        for panel in _panels(unit, {n: signals[n] for n in shown if measures[n] == unit})
     ]
     if not panels:
         return []
     n = len(panels)
-    height = 150 * n + 90
-    gap = 24 / (height - 90)
-    tall = (1 - gap * (n - 1)) / n
+    talls = [max(PANEL, ENTRY * len(members)) for _, members in panels]
+    inner = sum(talls) + GAP * (n - 1)
+    tops = 1.0 - (np.cumsum([0, *talls[:-1]]) + GAP * np.arange(n)) / inner
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
     banded = False
@@ -124,8 +135,10 @@ def time_series(result: Result) -> list[Figure]:
         size = max(float(np.nanmax(np.abs(signals[n]), initial=0.0)) for n in members)
         unit, factor = preferred(declared, size, members[0])
         k = "" if i == 0 else str(i + 1)
-        top = 1 - i * (tall + gap)
-        axes["yaxis" + k] = axis(axis_of(unit, list(members)), grid=True, domain=[max(0.0, top - tall), top], anchor="x")
+        top = float(tops[i])
+        axes["yaxis" + k] = axis(
+            axis_of(unit, list(members)), grid=True, domain=[max(0.0, top - talls[i] / inner), top], anchor="x"
+        )
         for j, name in enumerate(members):
             trace, cut = dense_line(
                 result.time, factor * signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k
@@ -146,7 +159,15 @@ def time_series(result: Result) -> list[Figure]:
         )
     )
     margin = {"l": 66, "r": 200, "t": 20, "b": 48}
-    return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin=margin, **axes)}, caption)]
+    return [
+        Figure("Recorded signals", {"data": data, "layout": layout(inner + 68, showlegend=True, margin=margin, **axes)}, caption)
+    ]
+
+
+def _wraps(angle: np.ndarray) -> bool:
+    """Whether an angle goes around: it jumps by nearly a turn, more than once."""
+    jumps = np.abs(np.diff(angle))
+    return np.count_nonzero(jumps > 0.8 * TURN) > 1 and float(np.nanmax(jumps)) < 1.01 * TURN
 
 
 def _value(name: str, value: float, result: Result) -> str:

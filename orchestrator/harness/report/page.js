@@ -5,15 +5,20 @@ function draw(element, dark = wantsDark.matches) {
   element.dataset.drawn = scheme;
   const json = document.getElementById(element.id + "-data").textContent;
   const spec = JSON.parse(dark ? recoloured(json) : json);
-  if (location.hash === "#print") flatter(element, spec.layout);
+  if (location.hash === "#print") {
+    flatter(element, spec.layout);
+    spec.data = spec.data.filter((trace) => trace.visible !== "legendonly"); // no one switches it on
+  }
   const coarse = spec.data.map(({ x, y, xaxis = "x" }) => ({ x, y, xaxis })); // Plotly changes what it is given
-  Plotly.newPlot(element, spec.data, spec.layout, config).then(() => {
+  return Plotly.newPlot(element, spec.data, spec.layout, config).then(() => {
     element.querySelectorAll(".modebar-btn").forEach((button) => { button.tabIndex = -1; }); // Tab goes on to the text
     if (spec.frames) Plotly.addFrames(element, spec.frames);
     if (samplesFile || document.getElementById("samples-inside")) element.on("plotly_relayout", () => refine(element, coarse));
   });
 }
-const PRINTED = 0.66; // height of the panels of a printed figure over that on a screen: two of the usual ones share a sheet
+const { paper } = document.getElementById("page").dataset, MM = 96 / 25.4; // px
+const SHEETS = { A4: [184, 267], Letter: [189.9, 249.4] }; // mm, without margins
+const PRINTED = 0.66; // height of the panels of a printed figure over that on a screen, before it is fitted to its sheet
 function flatter(element, layout) {
   if (layout.sliders?.length) { // no one moves it on paper
     layout.height -= Math.max(0, layout.margin.b - 48);
@@ -21,8 +26,62 @@ function flatter(element, layout) {
     layout.sliders = layout.updatemenus = [];
   }
   const around = layout.margin.t + layout.margin.b; // legend, labels
-  layout.height = Math.round(Math.min(Math.max(PRINTED * (layout.height - around), 130) + around, 620)); // of many panels, too
+  const most = Math.min(MM * SHEETS[paper][1] - 90, around + Math.max(PRINTED * (layout.height - around), 130)); // no longer than a sheet
+  layout.height = Math.round(square(layout) ? Math.min(most, around + tallest(layout)) : most);
   element.style.height = `${layout.height}px`;
+}
+const panels = (layout, way) => Object.entries(layout).filter(([key]) => key.startsWith(`${way}axis`)).map(([, axis]) => axis);
+const square = (layout) => panels(layout, "y").some((y) => y.scaleanchor); // an orbit has no more height than its width allows
+function tallest(layout) { // px that panels of one row need where a length is the same in both directions
+  const width = MM * SHEETS[paper][0] - layout.margin.l - layout.margin.r, [xs, ys] = ["x", "y"].map((way) => panels(layout, way));
+  if (ys.some((y) => !y.scaleanchor || !y.range || (y.domain ?? [0, 1])[1] - (y.domain ?? [0, 1])[0] < 0.99)) return Infinity;
+  const long = ({ range }) => range[1] - range[0];
+  return Math.max(...ys.map((y, k) => (width * (xs[k].domain[1] - xs[k].domain[0]) * long(y)) / long(xs[k])));
+}
+// Sheets are filled: figures of one that ends early grow, those of one that the next figure nearly fits on shrink.
+const GROWN = 1.5, SHRUNK = 0.72; // at most, of the panels
+const SAFE = 0.985; // a sheet is taken for a little shorter than it is
+async function fillSheets() {
+  const height = SAFE * MM * SHEETS[paper][1];
+  const box = (e) => e.getBoundingClientRect(), places = [...document.querySelectorAll("main figure")];
+  const inner = (plot) => plot.layout.height - plot.layout.margin.t - plot.layout.margin.b, usual = new Map(plots.map((p) => [p, inner(p)]));
+  const scale = (some, factor) => Promise.all(some.map((plot) => {
+    const grown = square(plot.layout) ? 1 : GROWN;
+    const high = Math.round(Math.min(Math.max(factor * inner(plot), SHRUNK * usual.get(plot)), grown * usual.get(plot))) + plot.layout.height - inner(plot);
+    plot.style.height = `${high}px`;
+    return Plotly.relayout(plot, { height: high });
+  }));
+  const begins = (figure) => { // with the headings that stay with it
+    let first = figure;
+    while (/^H\d$/.test(first.previousElementSibling?.tagName)) first = first.previousElementSibling;
+    return first;
+  };
+  let top = box(document.body).top, here = [];
+  for (const figure of places) {
+    const plot = figure.querySelector(".plot"), first = begins(figure);
+    while (box(first).top > top + height) { top += height; here = []; } // text and tables run over to the next sheet
+    const over = box(figure).bottom - top - height;
+    if (over > 0) {
+      const all = [...here, ...(plot ? [plot] : [])], room = all.reduce((sum, p) => sum + inner(p) - SHRUNK * usual.get(p), 0);
+      const total = (some) => some.reduce((sum, p) => sum + inner(p), 0);
+      if (over <= room) await scale(all, 1 - over / total(all));
+      if (box(figure).bottom - top - height > 1) { // the next sheet begins with it
+        if (here.length) await scale(here, 1 + (top + height - box(first).top) / total(here));
+        top = box(first).top;
+        here = [];
+      }
+    }
+    if (plot) here.push(plot);
+  }
+}
+async function layOut() { // as it will be printed
+  const [width] = SHEETS[paper];
+  for (const { cssRules } of document.styleSheets) for (const rule of cssRules) if (rule.media?.mediaText === "print") rule.media.mediaText = "all";
+  document.body.style.width = `${width * MM}px`;
+  document.body.style.margin = "0";
+  document.querySelectorAll("details").forEach((d) => { d.open = true; });
+  await Promise.all(plots.map((p) => draw(p, false)));
+  await fillSheets();
 }
 // Bands become the lines that they are of where one zooms in, from samples in the page or the file beside it.
 const samplesFile = document.getElementById("page").dataset.samples;
@@ -75,7 +134,7 @@ async function start() {
     if (library) document.head.append(Object.assign(document.createElement("script"), { textContent: library }));
   } catch { /* a browser without DecompressionStream */ }
   if (typeof Plotly === "undefined") return showStills();
-  if (location.hash === "#print") return plots.forEach((p) => draw(p, false));
+  if (location.hash === "#print") return layOut();
   const watcher = new IntersectionObserver((entries) => {
     for (const entry of entries) if (entry.isIntersecting) { watcher.unobserve(entry.target); draw(entry.target); }
   }, { rootMargin: "1200px" });

@@ -75,6 +75,8 @@ def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], l
 
     marks: dict[str, Any] = {"tick0": 0, "dtick": 0.5 * span} if high - low > span else {}  # of less than a span, where they fit
     caption = f"Blue background: analysis window {start:g} to {end:g} m. Filter: {low_pass}. Thin vertical lines: supports."
+    if len(passages) > 1:
+        caption += " Pale: the forces at the macro step, unfiltered."
     if ladder:
         caption += (
             " Bands: ranges of the mean, the actual maximum and the actual minimum. At the right: the measured numbers (dots) in "
@@ -125,7 +127,8 @@ def _force_traces(passages: list[Passage], low_pass: ButterworthFilter) -> tuple
             (force, "contact force at the macro step", pale, 1.0),
             (low_pass.apply(force, rate), f"filtered, {low_pass.cutoff:g} Hz", CYCLE[i], 2.2),
         ):
-            trace, cut = dense_line(x, y, who + name, colour, width, hover="%{x:.1f} m: %{y:.1f} N")
+            more = {"showlegend": False} if who and width == 1.0 else {}  # of several, the caption says what is pale
+            trace, cut = dense_line(x, y, who + name, colour, width, hover="%{x:.1f} m: %{y:.1f} N", **more)
             banded |= cut
             data.append(trace)
     return data, banded
@@ -230,4 +233,4 @@ def _whole_spans(x: np.ndarray, span: float, latest: float) -> tuple[float, floa
 
 
 def _frequency_label(text: str, frequency: float, colour: str) -> dict[str, Any]:
-    return label(text, frequency, 1.0, xref="x", xanchor="left", yanchor="bottom", font={"size": 11, "color": colour})
+    return label(text, frequency, 1.0, xref="x", xanchor="left", yanchor="bottom", xshift=3, font={"size": 11, "color": colour})
