@@ -165,9 +165,9 @@ def time_series(result: Result) -> list[Figure]:
 
 
 def _wraps(angle: np.ndarray) -> bool:
-    """Whether an angle goes around: it jumps by nearly a turn, more than once."""
-    jumps = np.abs(np.diff(angle))
-    return np.count_nonzero(jumps > 0.8 * TURN) > 1 and float(np.nanmax(jumps)) < 1.01 * TURN
+    """Whether an angle goes around: it falls or rises by nearly a turn, more than once."""
+    moves = np.abs(np.diff(angle))
+    return np.count_nonzero(moves > 0.8 * TURN) > 1 and float(np.nanmax(moves)) < 1.01 * TURN
 
 
 def _value(name: str, value: float, result: Result) -> str:
