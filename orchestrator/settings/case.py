@@ -40,6 +40,7 @@ from pydantic import Field, model_validator
 from ...components.core.errors import BadInput
 from ..renamed import with_new_keys
 from .chart import ChartSettings
+from .document import DocumentSettings
 from .measured import MeasuredSeries
 from .model import Model, Number, Positive, Truth
 from .plan import RunLimits
@@ -116,6 +117,9 @@ class CaseSettings(Model):
         "those of the summary; a module beside this file, or an installed one",
     )
     charts: tuple[ChartSettings, ...] = Field(default=(), description="figures of the runs, whose labels are the conditions")
+    document: DocumentSettings = Field(
+        default=DocumentSettings(), description="what the report says of itself, as in a scene; default: that of the scene"
+    )
 
 
 class QuestionSettings(Model):

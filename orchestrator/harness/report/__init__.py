@@ -183,7 +183,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
     if len(case_results) == 1:
         lead = case_results[0].verdict
     if len(case_results) == 1:
-        title = case_results[0].case.title
+        title = case_results[0].case.document.title or case_results[0].case.title
     else:
         title = f"{len(case_results)} validation cases"
     return write_page(Page(title, lead, sections, PROVENANCE), Path(directory) / "report.html")
@@ -238,6 +238,9 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
             else next(iter(named.values()), "")
         )
         answer.append(generic.range_table("", plain, how, grouped=True))
+    if alone and findings.runs:
+        about = first_page.document(next(iter(findings.runs.values())), case.document)
+        answer = [answer[0], *about, *answer[1:], *first_page.simulated(findings.runs, systems)]
     answer += [Text(result.warnings, "warning")] if result.warnings else []
     sections = [Section(case.title, answer, badge=result.outcome), *map(_claim_section, findings.claims)]
     settings: list[Block] = []

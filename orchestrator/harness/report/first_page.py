@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import date
 from fnmatch import fnmatch
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from ..preferred_units import preferred, written
 
 if TYPE_CHECKING:
     from ...run.results import Result
+    from ...settings.document import DocumentSettings
     from ..system import Systems
 
 MOST_INPUTS = 12  # of the table; all of them are at the end of the report
@@ -28,20 +29,34 @@ Input = tuple[str, str, str]  # unit of the scene with what the input is, value,
 
 def blocks(result: Result, systems: Systems) -> list[Block]:
     """The document's data, the simulated objects and their key inputs."""
-    document = Facts("Document", list(_document(result)), beside=True)
-    return [document, *signatures(result), _objects(result), *_inputs(result, systems)]
+    return [*document(result, result.scene.document), *simulated({"": result}, systems)]
 
 
-def signatures(result: Result) -> list[Block]:
+def document(result: Result, given: DocumentSettings) -> list[Block]:
+    """What the report says of itself, with lines to sign on."""
+    return [Facts("Document", list(_document(result, given)), beside=True), *signatures(given)]
+
+
+def simulated(runs: Mapping[str, Result], systems: Systems) -> list[Block]:
+    """The simulated objects and their key inputs, those apart in which runs differ; objects are those of the first run."""
+    rows = {label: _inputs(result, systems) for label, result in runs.items()}
+    first = next(iter(rows))
+    common = [row for row in rows[first] if all(row in of for of in rows.values())]
+    blocks: list[Block] = [_objects(runs[first])]
+    if varied := list(dict.fromkeys(name for of in rows.values() for name, value in of if (name, value) not in common)):
+        cells = [(name, *(dict(of).get(name, "") for of in rows.values())) for name in varied]
+        blocks.append(Cells("Inputs in which the runs differ", ("input", *rows), cells))
+    return [*blocks, *([Facts("Key inputs", common[:MOST_INPUTS], beside=True)] if common else [])]
+
+
+def signatures(given: DocumentSettings) -> list[Block]:
     """Lines to sign on, of a report that says what it is."""
-    given = result.scene.document
     return (
         [Signatures((("Prepared by", given.author), ("Checked by", ""), ("Released by", "")))] if given != type(given)() else []
     )
 
 
-def _document(result: Result) -> Iterator[tuple[str, str]]:
-    given = result.scene.document
+def _document(result: Result, given: DocumentSettings) -> Iterator[tuple[str, str]]:
     for label, text in (
         ("Object", given.object),
         ("Organisation", given.organisation),
@@ -74,7 +89,7 @@ def _objects(result: Result) -> Cells:
     )
 
 
-def _inputs(result: Result, systems: Systems) -> list[Facts]:
+def _inputs(result: Result, systems: Systems) -> list[tuple[str, str]]:
     """The inputs that a reader of the system looks for, then others that the scene gives."""
     system = result.scene.analysis.system
     patterns = systems[system].inputs if system in systems else ()
@@ -90,8 +105,7 @@ def _inputs(result: Result, systems: Systems) -> list[Facts]:
         shown, factor = preferred(measure, abs(value), name) if isinstance(value, float) else (written(measure), 1.0)
         cell = number(value * factor) if isinstance(value, float) else _shortened(str(value))
         rows.setdefault((text, cell, shown), []).append(unit)
-    cells = [(f"{text}, {_listed(units)}", f"{value} {unit}".rstrip()) for (text, value, unit), units in rows.items()]
-    return [Facts("Key inputs", cells[:MOST_INPUTS], beside=True)] if cells else []
+    return [(f"{text}, {_listed(units)}", f"{value} {unit}".rstrip()) for (text, value, unit), units in rows.items()]
 
 
 def _shortened(text: str) -> str:

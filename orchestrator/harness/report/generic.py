@@ -12,6 +12,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...run.run_info import flattened
 from ...run.run_record import EffectsRecord
+from ...scene.names import declared
 from ..charts.bands import dense_line
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
@@ -34,6 +35,7 @@ PANEL, GAP, ENTRY = (
     29,
 )  # px, of a panel of recorded signals at least, between them, of an entry of its legend, in print too
 TURN, UNWRAPPED = 2.0 * np.pi, ", unwrapped"  # rad; behind the name of an angle that goes around
+WHOLE_WIDTH = 400  # letters of a parameter, such as a table, from which it has the width of the page
 UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
 
@@ -131,9 +133,9 @@ def time_series(result: Result) -> list[Figure]:
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
     banded = False
-    for i, (declared, members) in enumerate(panels):
+    for i, (measure, members) in enumerate(panels):
         size = max(float(np.nanmax(np.abs(signals[n]), initial=0.0)) for n in members)
-        unit, factor = preferred(declared, size, members[0])
+        unit, factor = preferred(measure, size, members[0])
         k = "" if i == 0 else str(i + 1)
         top = float(tops[i])
         axes["yaxis" + k] = axis(
@@ -204,7 +206,6 @@ def run_blocks(result: Result) -> list[Facts]:
     """The run's effects, settings, counters and versions, as run.json holds them."""
     titles = {
         "settings": "Co-simulation settings",
-        "units": "Units and their parameters",
         "counters": "Work done",
         "timing": "Time taken, s",
         "versions": "Versions",
@@ -212,9 +213,42 @@ def run_blocks(result: Result) -> list[Facts]:
     }
     effects = [Facts("Effects", effect_rows(result.info.effects))] if result.info.effects else []
     written = result.info.to_json()
-    return effects + [
+    return [*effects, *_units(result, written["units"])] + [
         Facts(title, _in_words(key, flattened(written[key])), True) for key, title in titles.items() if key in written
     ]
+
+
+def _units(result: Result, written: Mapping[str, Any]) -> list[Facts]:
+    """The parameters of the units, each in a unit for a reader; units that are alike in one list."""
+    alike: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for unit, record in written.items():
+        try:
+            known = declared(result.scene, unit)
+        except BadInput:  # of a scene that is read back without its files
+            known = {}
+        arrays: dict[str, list[float | str]] = {}
+        for name, value in record.get("parameters", {}).items():
+            arrays.setdefault(_ELEMENT.sub("[…]", name), []).append(value)
+        of_unit = {k: v for k, v in record.items() if k != "parameters"}
+        rows = _in_words("units", flattened(of_unit))
+        for name, values in arrays.items():
+            variable = known.get(name) or known.get(name.removesuffix("[…]")) or known.get(name.replace("…", "1"))
+            rows.append((name, _measured(values, getattr(variable, "unit", "1") or "1", name)))
+        alike.setdefault(tuple(rows), []).append(unit)
+    facts = []
+    for rows, units in alike.items():
+        facts.append(Facts(f"{', '.join(units)}: parameters", [row for row in rows if len(row[1]) <= WHOLE_WIDTH], True))
+        facts += [Facts(f"{', '.join(units)}: {name}", [("", text)], True) for name, text in rows if len(text) > WHOLE_WIDTH]
+    return facts
+
+
+def _measured(values: Sequence[Any], declared_unit: str, name: str) -> str:
+    """Values of one parameter in a unit for a reader, six digits."""
+    numbers = [v for v in values if isinstance(v, float)]
+    if len(numbers) < len(values):
+        return ", ".join(text for value in values for _, text in flattened(value))
+    unit, factor = preferred(declared_unit, max(map(abs, numbers), default=0.0), name)
+    return f"{', '.join(f'{v * factor:.6g}' for v in numbers)} {unit}".rstrip()
 
 
 def _in_words(key: str, rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:

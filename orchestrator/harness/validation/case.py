@@ -13,6 +13,7 @@ from ....components.core.errors import StepFailed
 from ...judgement.warnings import not_verified
 from ...run.progress import tracked
 from ...scene.shorter_steps import made_runs
+from ...settings.document import DocumentSettings
 from ..charts.chart import Chart, Grid
 from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
@@ -132,7 +133,7 @@ class Case:
     """A comparison with a reference: questions that are asked one after the other, and studies that explain their answers.
 
     name: of the case and its table.  text: what it shows, and what it cannot show.  studies: give charts, once; they are not
-    repeated for errors.  system: filled in by the system whose case it is.
+    repeated for errors.  system: filled in by the system whose case it is.  document: what its report says of itself.
     """
 
     name: str
@@ -141,6 +142,7 @@ class Case:
     questions: tuple[Question, ...]
     studies: tuple[Question, ...] = ()
     system: str = ""
+    document: DocumentSettings = field(default_factory=DocumentSettings)
 
     def findings(self, options: Options, kept: dict[int, Evidence] | None = None) -> Findings:
         """The evidence of all questions beside the rows of the table. A run that fails ends the case; what was measured stays.

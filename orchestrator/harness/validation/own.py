@@ -82,7 +82,8 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         for group in ([list(scenes)] if whole else [[condition] for condition in scenes])
     ]
     text = settings.text or f"The scene {settings.scene} against the ranges and curves of {path.name}."
-    return Case(name, settings.title, text, tuple(questions), system=scene.analysis.system)
+    document = settings.document if settings.document.model_fields_set else scene.document
+    return Case(name, settings.title, text, tuple(questions), system=scene.analysis.system, document=document)
 
 
 def _in_run(row: TableRow, scenes: dict[str, Scene], where: str) -> TableRow:

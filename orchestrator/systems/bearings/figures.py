@@ -7,7 +7,7 @@ Read from [analysis], beside what `bearings.records` says: section = { signal, a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -254,10 +254,10 @@ def motion_table(record: BearingRecord, begin: float, points: dict[str, np.ndarr
 
 
 def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
-    """Lines to look for: those the scene marks, else of what has a defect, the passing of balls and the shaft."""
+    """Lines to look for: those the scene marks, else of what has a defect, the passing of balls and the shaft; of others the first."""
     if not record.frequencies:
         return []
-    wanted: tuple[str, ...] = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
+    whole = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
     f, turn = record.frequencies, abs(record.rotation)
     known = {
         "outer": Family(NAMES["outer"], f["outer"], 5),
@@ -266,7 +266,8 @@ def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
         "cage": Family(NAMES["cage"], f["cage"], 2),
         "shaft": Family(NAMES["shaft"], turn, 3),
     }
-    return [known[name] for name in wanted]
+    rest = [replace(one, harmonics=1, sidebands=0) for name, one in known.items() if name not in whole]
+    return [*(known[name] for name in whole), *rest]
 
 
 def marked(line_families: list[Family], highest: float) -> tuple[Lines, ...]:

@@ -42,7 +42,7 @@ def test_a_document_says_what_it_is(result, tmp_path):
 def test_a_report_without_a_document_has_its_day_and_no_lines_to_sign(result):
     facts = first_page.blocks(result, SYSTEMS)[0]
     assert dict(facts.rows)["Date"] == date.today().isoformat()
-    assert first_page.signatures(result) == []
+    assert first_page.signatures(result.scene.document) == []
 
 
 def test_a_document_changes_no_result(result):

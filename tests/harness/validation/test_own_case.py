@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from cosimo import BadInput, load_scene, read_scene, validate, write_scene
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.report.first_page import simulated
 from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.measured import read_curve
 from cosimo.orchestrator.settings.case import CurveSettings
+from cosimo.orchestrator.systems import SYSTEMS
 from cosimo.tests.support import two_masses
 
 CASE = """
@@ -59,13 +61,29 @@ def write(folder, time, values):
 
 
 def test_a_case_that_measures_what_is_simulated_passes(folder):
+    (folder / "case.toml").write_text(f'{CASE}[document]\ntitle = "Sheet 12"\nauthor = "A. Author"\n', encoding="utf-8")
     (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
     assert case.outcome == "passed"
     assert [r.inside for r in case.findings.rows] == [True] * 4
     assert {r.reference.standing for r in case.findings.rows} == {"verbatim", "measured"}
     (document,) = json.loads((folder / "out" / "validation.json").read_text())["cases"]
     assert document["outcome"] == "passed"
-    assert "a.x_out against the measurement, soft" in (folder / "out" / "report.html").read_text(encoding="utf-8")
+    html = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert "a.x_out against the measurement, soft" in html
+    first = html[html.index("<h1>Sheet 12</h1>") : html.index("Settings</h3>")]
+    assert all(text in first for text in ("A. Author", "Prepared by", "What was simulated", "largest position"))
+
+
+def test_inputs_of_runs_stand_apart_where_they_differ():
+    """Of two speeds the speed, with its unit; what both have once."""
+    scene = load_scene("lumped-catenary").with_changes({"stop_time": 0.02})
+    runs = {c: run(scene.with_changes({"pantograph.speed": v}), in_process=True) for c, v in (("a", 50.0), ("b", 60.0))}
+    objects, varied, inputs = simulated(runs, SYSTEMS)
+    ((name, first, second),) = varied.rows
+    assert name.startswith("speed")
+    assert (varied.header, first, second) == (("input", "a", "b"), "180 km/h", "216 km/h")
+    assert name not in dict(inputs.rows)
+    assert objects.title == "What was simulated"
 
 
 def test_a_measurement_ten_percent_higher_fails_with_exit_code_1(folder, result, capsys):
