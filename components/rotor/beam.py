@@ -84,6 +84,7 @@ class Gravity(Effect):
     """Weight, along -y."""
 
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
 

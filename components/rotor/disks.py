@@ -22,6 +22,7 @@ class Disks(Effect):
 
     explicit_only = True
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
     mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
@@ -44,6 +45,7 @@ class DiskTable(Effect):
     replaces = ("disks.position", "disks.mass", "disks.polar_inertia", "disks.diametral_inertia")
     explicit_only = True
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     table = text(
         "position [m],mass [kg],Ip [kg.m2],Id [kg.m2]\n0.5,32.59,0.3296,0.1781\n1.0,51.53,0.8052,0.4237\n",

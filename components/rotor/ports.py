@@ -45,6 +45,8 @@ class Bearing(Effect):
     what it gives now. The rotor has no axial motion: what belongs to z does not count.
     """
 
+    either_in = ("initialize",)
+
     position = parameter(0.0, "m", "place of the bearing on the shaft", low=0.0)
 
     force_x = input_(0.0, "N", "force on the shaft along x at zero motion", nominal=100.0)

@@ -15,6 +15,7 @@ class RunUp(Effect):
     """The speed changes at a constant rate to an end speed, up or down; it is imposed, whatever torque that takes."""
 
     explicit_only = True
+    either_in = ("initialize",)
 
     acceleration = parameter(20.0, "rad/s2", "magnitude of the rate of change of the speed", low=0.0)
     end_speed = parameter(200.0, "rad/s", "speed that is kept at the end")

@@ -32,6 +32,7 @@ class LinearSupports(Effect):
 
     explicit_only = True
     read_by = ("initialize",)
+    either_in = ("initialize",)
 
     position = parameter((0.0, 1.5), "m", "place of a support on the shaft", size=2, low=0.0)
     stiffness_x = parameter(1e6, "N/m", "stiffness along x", size=2, low=0.0)
