@@ -13,7 +13,7 @@ from cosimo.tests.harness.explore.test_explore_page import at, opened, with_erro
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
 pytestmark = needs_node
-STATES = 7  # of each scene
+STATES = 3  # of each scene
 DRAWN = """(k) => {
     const { time, lines } = motionOf(data.machines[k], shown, (name) => state.values[name] ?? parameters[name].value);
     return { time: [...time], lines: lines.map((line) => [...line.points]) };
