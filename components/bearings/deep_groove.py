@@ -30,7 +30,7 @@ from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
 from .contacts import GAP, BallContacts
-from .friction import Friction, OilFriction
+from .friction import Friction, OilFriction, SkfFriction
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
 from .inertia import BallInertia
@@ -185,6 +185,7 @@ class DeepGrooveBearing(KernelComponent):
     life_factor = LifeFactor
     ball_inertia = BallInertia
     oil_friction = OilFriction
+    skf_friction = SkfFriction
 
     balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
@@ -235,6 +236,7 @@ class DeepGrooveBearing(KernelComponent):
         "Gr": "diametral_clearance",
         "d": "friction.bore_diameter",
         "C": "rating_life.load_rating",
+        "C0": "skf_friction.static_rating",
         "Cu": "life_factor.fatigue_load_limit",
     }
     presets = {

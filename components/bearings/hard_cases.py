@@ -334,6 +334,18 @@ HARD_CASES = {
             effects=("friction", "oil_friction"),
             inputs={"displacement_x": 1e-5, "speed": sine(50.0, 100.0), "oil_friction.temperature": sine(70.0, 50.0, 320.0)},
         ),
+        "catalogue's friction from frost to boiling": HardCase(
+            "Radial and axial loads come and go with the film, in both directions of the speed.",
+            (AtLeast("friction.power", 0.0), Finite()),
+            effects=("friction", "oil_friction", "skf_friction"),
+            parameters={"diametral_clearance": 1e-5},
+            inputs={
+                "displacement_x": sine(2e-5, 100.0),
+                "displacement_z": sine(5e-5, 70.0),
+                "speed": sine(500.0, 50.0),
+                "oil_friction.temperature": sine(70.0, 50.0, 320.0),
+            },
+        ),
         "oil below absolute zero": HardCase(
             "It has no viscosity.",
             Refused("not finite", "step", {"oil_friction.temperature": 300.0}),

@@ -295,8 +295,7 @@ def bearing_outputs(t, s, p, e):
     if e.linearisation is not None:
         linearise(u, y, k, s, initializing, e)
     if e.friction is not None:
-        load = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
-        put_friction(y, u, load, speed, p.pitch_diameter, e.friction, e.oil_friction)
+        put_friction(y, u, sums, speed, p.pitch_diameter, e.friction, e.oil_friction, e.skf_friction)
     if e.ball_inertia is not None:
         put_inertia(y[e.ball_inertia.y :], s.balls, inertia)
     if e.rating_life is not None:

@@ -43,6 +43,37 @@ def test_the_torque_is_that_of_the_equations(speed, kelvin):
     assert bearing["oil_friction.viscosity"] == pytest.approx(1e-6 * viscosity(kelvin), rel=1e-12)
 
 
+def catalogue(radial: float, axial: float, speed: float, kelvin: float) -> float:
+    """N.m by SKF's catalogue, in its units: 6207, d = 35, D = 72, C_0 = 15.3 kN, low oil bath of mineral oil."""
+    d, outside, n, nu = 35.0, 72.0, abs(speed) * 30.0 / math.pi, viscosity(kelvin)
+    dm = 53.5
+    if axial == 0.0:
+        g_rr, g_sl = 3.9e-7 * dm**1.96 * radial**0.54, 3.23e-3 * dm**-0.26 * radial ** (5 / 3)
+    else:
+        alpha = np.deg2rad(24.6 * (axial / 15300.0) ** 0.24)
+        g_rr = 3.9e-7 * dm**1.96 * (radial + 1.7 * axial / np.sin(alpha)) ** 0.54
+        g_sl = 3.23e-3 * dm**-0.145 * np.cbrt(radial**5 + 36.5 * dm**1.5 / np.sin(alpha) * axial**4)
+    ish = 1.0 / (1.0 + 1.84e-9 * (n * dm) ** 1.28 * nu**0.64)
+    rs = 1.0 / np.exp(3e-8 * nu * n * (d + outside) * np.sqrt(3.1 / (2.0 * (outside - d))))
+    bl = 1.0 / np.exp(2.6e-8 * (n * nu) ** 1.4 * dm)
+    return 1e-3 * (ish * rs * g_rr * (nu * n) ** 0.6 + g_sl * (0.15 * bl + 0.05 * (1.0 - bl)))
+
+
+@pytest.mark.interpreted
+@pytest.mark.known_answers(DeepGrooveBearing="skf_friction")
+@pytest.mark.parametrize("speed", [-300.0, 0.5, 1500.0])
+@pytest.mark.parametrize(("axial", "kelvin"), [(0.0, 313.15), (8e-5, 353.15)])
+def test_the_torque_is_that_of_the_catalogue(speed, axial, kelvin):
+    given = {"displacement_y": -2e-5, "displacement_z": axial, "speed": speed, "oil_friction.temperature": kelvin}
+    bearing = DeepGrooveBearing(["friction", "oil_friction", "skf_friction"], given)
+    bearing.initialize(0.0)
+    radial, along = math.hypot(bearing["force_x"], bearing["force_y"]), abs(bearing["force_z"])
+    assert (along > 100.0) == (axial > 0.0)
+    expected = catalogue(radial, along, speed, kelvin)
+    assert bearing["friction.torque"] == pytest.approx(-math.copysign(expected, speed), rel=1e-12)
+    assert bearing["friction.power"] == pytest.approx(expected * abs(speed), rel=1e-12)
+
+
 def test_heat_and_friction_come_to_rest_together():
     scene = load_scene("bearing-oil-heat").with_changes({"stop_time": 20000.0})
     result = run_scene(scene, in_process=True)
