@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from math import ceil, floor, inf, isfinite, log10, nan
+from math import ceil, floor, inf, isfinite, isnan, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
@@ -57,8 +57,10 @@ def with_error(value: float, error: float) -> str:
     """ "116.0 ± 0.3": a number to the digit of its error's leading one, of which two are kept where it is a 1.
 
     Without a known error the number has four digits. With an error below its sixth digit it has five, and ± is rounded up to
-    one of the fifth, which covers the rounding of the number.
+    one of the fifth, which covers the rounding of the number. It never has more than six. "–": there is no number.
     """
+    if isnan(value):
+        return "–"
     if not (isfinite(value) and isfinite(error)):
         return f"{value:.4g}"
     if error == 0.0:
@@ -68,12 +70,12 @@ def with_error(value: float, error: float) -> str:
     if error < 10.0 ** (size - 5):
         digit = int(size) - 4
         error = 10.0**digit
-    elif error < 2.0 * 10.0**digit:
+    elif error < 2.0 * 10.0**digit and digit > size - 5:
         digit -= 1  # 0.14 rather than 0.1
     shown = ceil(error / 10.0**digit * (1.0 - 1e-9)) * 10.0**digit  # never less than it is
     if 0 <= digit < 5 and abs(value) < 1e6:
         return f"{round(value, -digit):.0f} ± {shown:.0f}"
-    if digit >= 0 or digit < -9:
+    if digit >= 0 or digit < -9 or -inf < size < -5:
         return f"{value:.4g} ± {shown:.2g}"
     return f"{value:.{-digit}f} ± {shown:.{-digit}f}"
 

@@ -214,7 +214,9 @@ def run_blocks(result: Result) -> list[Facts]:
     effects = [Facts("Effects", effect_rows(result.info.effects))] if result.info.effects else []
     written = result.info.to_json()
     return [*effects, *_units(result, written["units"])] + [
-        Facts(title, _in_words(key, flattened(written[key])), True) for key, title in titles.items() if key in written
+        Facts(title, _in_words(key, flattened(written[key])), True, beside=key in ("counters", "timing", "versions"))
+        for key, title in titles.items()
+        if key in written
     ]
 
 

@@ -44,6 +44,7 @@ const SAFE = 0.985; // a sheet is taken for a little shorter than it is
 async function fillSheets() {
   const height = SAFE * MM * SHEETS[paper][1];
   const box = (e) => e.getBoundingClientRect(), places = [...document.querySelectorAll("main figure")];
+  const motions = [...document.querySelectorAll("figure.motion canvas")];
   const inner = (plot) => plot.layout.height - plot.layout.margin.t - plot.layout.margin.b, usual = new Map(plots.map((p) => [p, inner(p)]));
   const scale = (some, factor) => Promise.all(some.map((plot) => {
     const grown = square(plot.layout) ? 1 : GROWN;
@@ -67,6 +68,8 @@ async function fillSheets() {
       if (over <= room) await scale(all, 1 - over / total(all));
       if (box(figure).bottom - top - height > 1) { // the next sheet begins with it
         if (here.length) await scale(here, 1 + (top + height - box(first).top) / total(here));
+        const picture = motions.filter((c) => box(c).top > top && box(c).bottom < box(first).top).at(-1), left = top + height - box(first).top;
+        if (picture && left > 40) picture.style.height = `${Math.min(picture.clientHeight + left, 360)}px`; // its script draws it anew
         top = box(first).top;
         here = [];
       }

@@ -23,7 +23,7 @@ for _axis, _unit in UNITS.items():
         f"{_axis}_error_end": (_unit, f"error of the {_axis} at the end"),
         f"{_axis}_error_max": (_unit, f"largest error of the {_axis}"),
         f"{_axis}_overshoot": (_unit, f"largest overshoot of a move of the {_axis}"),
-        f"{_axis}_settling_time": ("s", f"longest settling time of a move of the {_axis}; NaN: one does not settle"),
+        f"{_axis}_settling_time": ("s", f"longest settling time of a move of the {_axis}; – where one does not settle"),
     }
 HEADLINE = ("*_error_end", "*_overshoot", "*_settling_time")  # what a run is judged by
 

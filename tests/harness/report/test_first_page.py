@@ -114,7 +114,15 @@ def test_a_number_in_a_preferred_unit_keeps_its_error():
     assert (row.for_reader().shown, row.for_reader().unit) == ("0.757 ± 0.003", "µm")
 
 
-@pytest.mark.parametrize(("value", "error", "text"), [(0.570544, 1e-9, "0.57054 ± 0.00001"), (116.009, 0.008, "116.009 ± 0.008")])
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.570544, 1e-9, "0.57054 ± 0.00001"),
+        (116.009, 0.008, "116.009 ± 0.008"),
+        (2.535096, 1.3e-5, "2.53510 ± 0.00002"),
+        (8.2e-9, 8e-9, "8.2e-09 ± 8e-09"),
+    ],
+)
 def test_no_error_is_said_to_be_below_something(value, error, text):
     assert with_error(value, error) == text
     number, bound = map(float, text.split(" ± "))

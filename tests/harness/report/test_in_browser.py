@@ -96,6 +96,29 @@ def test_a_case_is_printed_with_verdict_and_all_rows_on_its_first_sheet(page, tm
     assert last["y"] + last["height"] < (297 - 28) / 25.4 * 96
 
 
+@pytest.mark.parametrize(("paper", "sheet"), [("A4", 267.0), ("Letter", 249.4)])
+def test_printed_figures_fill_their_sheets(page, tmp_path, paper, sheet):
+    """Five figures, of which two and a half would stand on a sheet: they grow or shrink until two or three do, and none is cut."""
+    t = np.linspace(0.0, 1.0, 200)
+    trace, _ = dense_line(t, np.sin(9.0 * t), "a", "#0072b2")
+    drawn = [Figure(f"{k}", {"data": [trace], "layout": layout(560, xaxis=axis("time, s"), yaxis=axis("m"))}) for k in range(5)]
+    with delivered(paper=paper):
+        path = write_page(Page("Sheets", "", [Section("Figures", drawn)]), tmp_path / "page.html")
+    page.goto(path.as_uri() + "#print")
+    page.wait_for_function("document.querySelectorAll('.plot .main-svg').length >= 5")
+    page.wait_for_timeout(800)
+    sheet *= 96 / 25.4
+    begin, filled = 0.0, []
+    boxes = [figure.bounding_box() for figure in page.locator("main figure").all()]
+    for box, before in zip(boxes, [boxes[0], *boxes[:-1]], strict=True):
+        if box["y"] + box["height"] > begin + sheet:
+            filled.append((before["y"] + before["height"] - begin) / sheet)
+            begin = box["y"]
+        assert box["height"] < sheet
+    assert len(filled) >= 1
+    assert min(filled) > 0.9
+
+
 def test_a_report_is_printed_to_a_pdf(tmp_path):
     try:
         with delivered(pdf=True):
