@@ -130,8 +130,8 @@ class Package:
             uri = uri.removeprefix(PROXY)
         path = self.inside(uri, where)
         if self._folder is not None:
-            file = self._folder.resolve() / path
             try:
+                file = (self._folder / path).resolve()  # the sandbox has the folder of the file, and none on the way to it
                 if file.is_file():
                     return file
             except OSError:  # a name that no file can have

@@ -156,6 +156,13 @@ def test_what_cannot_be_read_is_one_message(read, name):
     assert part in str(raised.value)
 
 
+def test_the_path_of_an_fmu_has_no_detour(read, folder):
+    """The sandbox shows the folder of an FMU, not those on the way to it."""
+    (folder / "aside").mkdir()
+    scene = read(simulator("a", source="aside/../adder.fmu"))
+    assert scene.units["a"].fmu == str(folder / "adder.fmu")
+
+
 def test_another_xml_file_is_refused(folder):
     path = folder / "notes.xml"
     path.write_text("<notes/>")
