@@ -1,9 +1,9 @@
 """Evidence in an FMU: an experiment with reference results, and what the communication step costs in accuracy.
 
-Written and read as the layered standard FMI-LS-REF has it (1.0.0-alpha.1, github.com/modelica/fmi-ls-ref, July 2026): a manifest
-names related files with their roles. The experiment is a file of the draft MA-HS-Experiments (github.com/modelica/ma-hs-experiments,
-schema of 2026; that of the examples before, with times at the experiment, is read, too). Neither says how near a result has to be:
-tolerances are an annotation of the reference results, as both allow.
+Written and read as the layered standard FMI-LS-REF has it (1.0.0-beta.1, July 2026, whose text still prints the version before;
+github.com/modelica/fmi-ls-ref): a manifest names related files with their roles. The experiment is a file of the draft
+MA-HS-Experiments (github.com/modelica/ma-hs-experiments, schema of 2026; that of the examples before, with times at the experiment,
+is read, too). Neither says how near a result has to be: tolerances are an annotation of the reference results, as both allow.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CSV, KNOWN = "text/csv", ("TransientSimulation", "Parameters", "Stimuli", "Refer
 TOLERANCES = "cosimo.tolerances"  # type of the annotation
 STANDARD = {
     "fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
-    "fmi-ls-version": "1.0.0-alpha.1",
+    "fmi-ls-version": "1.0.0-beta.1",
     "fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
 }
 

@@ -21,6 +21,7 @@ CACHED = {
     "native": "native FMUs of components",
     "zig": "what the compiler of native FMUs has compiled",
     "ssp": "FMUs out of .ssp files",
+    "sources": "FMUs whose sources were compiled here",
     "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",
     "meshes": "errors that meshes of scenes make",

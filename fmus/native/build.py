@@ -201,13 +201,13 @@ def _contents(component: Any, targets: list[str]) -> str:
         component.inputs,
         component.u[0].tolist(),
     )
-    compilers = [_compiler_version(target) for target in targets]
+    compilers = [compiler_version(target) for target in targets]
     return store.digest_of(
         sources_digest(inspect.getfile(cls), __file__), *_runtime(), repr(configuration), sys.version, *versions, *compilers
     )
 
 
-def _compiler_version(target: str) -> str:
+def compiler_version(target: str) -> str:
     """What tells one compiler for a target from another."""
     command = compiler(target)
     if "ziglang" in command:

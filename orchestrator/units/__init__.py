@@ -25,7 +25,7 @@ def open_unit(
 
     `native`: the native FMU of a component, which is run instead.  span: what FMUs are told of the run.
     """
-    kind = kind_of(settings, f"units.{name}")
+    kind = kind_of(settings, f"units.{name}").made_ready()
     if settings.time_limit is not None and not (kind.in_worker or kind.once):
         raise BadInput(
             f"{kind.where}.time_limit", f"{settings.time_limit:g} s without isolation", 'isolation = "process" as well'

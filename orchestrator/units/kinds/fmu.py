@@ -75,6 +75,12 @@ class FmuKind(UnitKind):
             **_capabilities(description, real),
         )
 
+    def made_ready(self) -> FmuKind:
+        from ..fmu_sources import with_library
+
+        path = with_library(self._chosen(), f"{self.where}.fmu")
+        return self if path == self.value else FmuKind(self.settings.model_copy(update={"fmu": path}), self.where)
+
     def open(self, name: str, in_process: bool, span: Span) -> Simulator:
         description, settings = self._chosen(), self.settings
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}

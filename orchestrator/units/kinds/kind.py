@@ -133,6 +133,10 @@ class UnitKind(ABC):
         """The change of its settings by which it is found from other working directories, too; none where there is no need."""
         return {f"{self.where}.{self.key}": os.path.abspath(self.value)} if self.is_file and not os.path.isabs(self.value) else {}
 
+    def made_ready(self) -> UnitKind:
+        """The unit as it can be opened on this machine; raises `BadInput` where it cannot."""
+        return self
+
     @abstractmethod
     def fmu_file(self) -> Path:
         """An FMU that stands for it in other tools, built where it is a component."""
