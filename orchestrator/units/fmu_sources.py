@@ -66,8 +66,8 @@ def with_library(description: Description, where: str) -> str:
             return path
         sources = _sources_of(file, names, description, where)
     if not sources.files:
-        found = f"libraries for {', '.join(sorted(folders))} alone" if folders else "no library"
-        raise BadInput(where, f"{path} with {found}", f"a library for {own}, or sources in C", "Ask its maker for one.")
+        has = f"libraries for {', '.join(sorted(folders))} alone" if folders else "no library"
+        raise BadInput(where, f"{path} with {has}", f"a library for {own}, or sources in C", "Ask its maker for one.")
     try:
         command = compiler(target)
     except BadInput as error:

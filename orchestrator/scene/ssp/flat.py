@@ -15,7 +15,7 @@ from ....components.core.errors import BadInput, nearest
 from ...engine.coupling.arrays import shape_of
 from ...settings.names import connection
 from .parameters import Assignment, Transformation, Value
-from .system import GIVES, TAKES, Connection, Connector, Element
+from .system import DICTIONARY, GIVES, TAKES, Connection, Connector, Element
 from .units_of_measure import between
 
 SHOWN = 5  # names in a remark
@@ -46,7 +46,10 @@ class Flat:
         self.elements: dict[Path, Element] = dict(_walk(root, ()))
         self.remarks: list[str] = []
         self._edges: dict[Place, Edge] = {}
+        self._dictionaries = {id(e): path for path, e in self.elements.items() if e.name.startswith(DICTIONARY)}
         for path, element in self.elements.items():
+            if element.refers:
+                self._referred(path, element)
             for each in element.connections:
                 self._connect(path, element, each)
         self.components = {path: e for path, e in self.elements.items() if e.fmu is not None or e.component}
@@ -72,6 +75,8 @@ class Flat:
 
     def _element(self, path: Path, system: Element, element: str, connection: Connection) -> Element:
         inner = self.elements.get((*path, element)) if element else system
+        if inner is not None and inner.refers:
+            return self._referred((*path, element), inner)
         if inner is None:
             raise BadInput(
                 connection.where,
@@ -81,16 +86,33 @@ class Flat:
             )
         return inner
 
+    def _referred(self, path: Path, reference: Element) -> Element:
+        """The signal dictionary of a reference: the nearest around it."""
+        around = (self.elements.get((*path[:k], reference.refers)) for k in range(len(path) - 1, -1, -1))
+        if (dictionary := next(filter(None, around), None)) is None:
+            raise BadInput(
+                reference.where,
+                f"a reference to the {reference.refers.replace(':', ' ')}",
+                "a signal dictionary of this system or of one around it",
+            )
+        return dictionary
+
     def _connect_scalars(self, path: Path, connection: Connection, inner_of: list[Element], names: tuple[str, ...]) -> None:
         gives: list[Place] = []
         takes: list[Place] = []
+        either: list[Place] = []
         for (element, _), inner, name in zip(connection.ends, inner_of, names, strict=True):
+            if inner.name.startswith(DICTIONARY) and name in inner.connectors:
+                either.append((self._dictionaries[id(inner)], name))
+                continue
             if name not in inner.connectors and not self._taken_from_fmu(inner, name):
                 raise BadInput(
                     connection.where, f"connector {name!r}", f"a connector of {inner.name!r}", nearest(name, inner.connectors)
                 )
             outward = inner.connectors[name].kind in GIVES
             (gives if outward == bool(element) else takes).append(((*path, element) if element else path, name))
+        if len(either) == 1:
+            (takes if gives else gives).extend(either)
         if len(gives) != 1:
             ends = " and ".join(".".join(filter(None, end)) for end in connection.ends)
             raise BadInput(

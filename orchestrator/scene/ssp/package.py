@@ -23,7 +23,13 @@ from ...loading import MOST_INSIDE, check_archive
 
 NAMESPACES = {
     letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
-    for letters, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))
+    for letters, name in (
+        ("ssd", "Description"),
+        ("ssc", "Common"),
+        ("ssv", "ParameterValues"),
+        ("ssm", "ParameterMapping"),
+        ("ssb", "SignalDictionary"),
+    )
 }
 DEFAULT = "SystemStructure.ssd"
 PROXY = "proxyfmu://localhost?file="

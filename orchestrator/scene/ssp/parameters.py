@@ -101,7 +101,7 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     """What one ParameterBinding assigns, names with its prefix and through its mapping. `fmu`: of the component it is at."""
     if binding.get("type", "application/x-ssp-parameter-set") != "application/x-ssp-parameter-set":
         raise BadInput(where, f"a parameter source of type {binding.get('type')!r}", "application/x-ssp-parameter-set")
-    root, place = _content(binding, "ssd:ParameterValues", "ssv:ParameterSet", package, fmu, where)
+    root, place = content(binding, "ssd:ParameterValues", "ssv:ParameterSet", package, fmu, where)
     if root is None:
         raise BadInput(where, "a ParameterBinding without values", "a source, or a ParameterSet inside")
     measures, prefix = definitions(root, "ssv", place), binding.get("prefix", "")
@@ -115,7 +115,7 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
         for name, value in values.items():
             yield Assignment(name, value, Transformation(), False, place)
         return
-    root, place = _content(mappings[0], "", "ssm:ParameterMapping", package, fmu, where)
+    root, place = content(mappings[0], "", "ssm:ParameterMapping", package, fmu, where)
     if root is None:
         raise BadInput(where, "a ParameterMapping without content", "a source, or a ParameterMapping inside")
     entries = find_all(root, "ssm:MappingEntry")
@@ -129,7 +129,7 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
             yield Assignment(target, values[source], transformation(entry, at), suppress, at)
 
 
-def _content(
+def content(
     node: etree._Element, holder: str, wanted: str, package: Package, fmu: Path | None, where: str
 ) -> tuple[etree._Element | None, str]:
     """The root of a set or mapping, from another file or inline, and its file and line."""

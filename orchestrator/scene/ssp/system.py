@@ -20,12 +20,14 @@ from ....components.core.errors import BadInput, nearest
 from ...units.description import Description
 from ...units.description import read as read_description
 from .package import DEFAULT, LARGEST_TEXT, NAMESPACES, Package, find_all, number, parsed, required, truth
-from .parameters import REALS, WHOLES, Assignment, Transformation, assignments, transformation
+from .parameters import REALS, WHOLES, Assignment, Transformation, assignments, content, transformation
 from .units_of_measure import Measure, definitions, named, of_fmu
 
 FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp-definition", "application/x-ssp-package"
 GIVES = ("output", "calculatedParameter", "constant")  # kinds of connectors, as their element is seen
 TAKES = ("input", "parameter", "structuralParameter")
+EITHER = "inout"  # of entries of signal dictionaries
+DICTIONARY = "signal dictionary:"  # before the name of a dictionary among the elements of a system
 INSIDE = ("local",)  # no connection reaches it
 TYPES = {
     "Boolean": "boolean",
@@ -73,6 +75,7 @@ class Element:
     connections: tuple[Connection, ...] = ()
     fmu: Path | None = None
     component: str = ""  # "module:Class" of a function of the system itself, which no FMU has
+    refers: str = ""  # the element of a signal dictionary that a reference stands for, here or in a system around
     description: Description | None = None
     measures: Mapping[str, Measure] = field(default_factory=dict)  # that the FMU defines
     arrays: dict[str, list[str]] = field(default_factory=dict)  # elements of connectors that are arrays
@@ -146,14 +149,7 @@ class Document:
     def _system(self, node: etree._Element, name: str, depth: int) -> Element:
         if depth > DEEPEST:
             raise BadInput(self._at(node), f"systems nested more than {DEEPEST} deep", "fewer", "Does a file contain itself?")
-        if find_all(node, "ssd:Elements", "ssd:SignalDictionaryReference") or find_all(node, "ssd:SignalDictionaries"):
-            raise BadInput(
-                self._at(node),
-                "a signal dictionary",
-                "connections between elements",
-                "Signal dictionaries are not read: connect the elements directly.",
-            )
-        elements: list[Element] = []
+        elements = [self._dictionary(n) for n in find_all(node, "ssd:SignalDictionaries", "ssd:SignalDictionary")]
         for child in (c for group in find_all(node, "ssd:Elements") for c in group):
             label = required(child, "name", self.where)
             if label in {e.name for e in elements}:
@@ -165,8 +161,8 @@ class Document:
                     "fewer",
                     "Do its files name one another many times?",
                 )
-            read = self._system if etree.QName(child).localname == "System" else self._component
-            elements.append(read(child, label, depth + 1))
+            kinds = {"System": self._system, "SignalDictionaryReference": self._reference}
+            elements.append(kinds.get(etree.QName(child).localname, self._component)(child, label, depth + 1))
         system = Element(
             name,
             self._at(node),
@@ -178,6 +174,25 @@ class Document:
         system.arrays = self._arrays(node)
         system.connectors = {e: replace(c, name=e) for n, c in system.connectors.items() for e in system.arrays.get(n, [n])}
         return system
+
+    def _dictionary(self, node: etree._Element) -> Element:
+        """A signal dictionary as an element whose connectors are its entries, which take and give."""
+        where, name = self._at(node), required(node, "name", self.where)
+        root, place = content(node, "", "ssb:SignalDictionary", self.package, None, where)
+        if root is None:
+            raise BadInput(where, f"signal dictionary {name!r} without content", "a source, or a SignalDictionary inside")
+        measures, connectors = definitions(root, "ssb", place), {}
+        for entry in find_all(root, "ssb:DictionaryEntry"):
+            if any(etree.QName(t).localname == "Dimension" for t in entry):
+                raise BadInput(place, f"entry {entry.get('name')!r} that is an array", "entries of one value")
+            types = [t for t in entry if etree.QName(t).localname in TYPES]
+            unit, label = types[0].get("unit") if types else None, required(entry, "name", place)
+            connectors[label] = Connector(label, EITHER, "", named(unit, measures))
+        return Element(DICTIONARY + name, where, connectors, ())
+
+    def _reference(self, node: etree._Element, name: str, depth: int) -> Element:
+        """What stands for a signal dictionary of this system or of one around it."""
+        return Element(name, self._at(node), {}, (), refers=DICTIONARY + required(node, "dictionary", self.where))
 
     def _component(self, node: etree._Element, name: str, depth: int) -> Element:
         where, kind, source = self._at(node), node.get("type") or FMU, required(node, "source", self.where)

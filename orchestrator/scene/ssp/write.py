@@ -33,7 +33,7 @@ from .read import ANNOTATION, NAMESPACE
 from .units_of_measure import Measure, of_fmu
 
 PREFIXES = {
-    **NAMESPACES,
+    **{letters: space for letters, space in NAMESPACES.items() if letters != "ssb"},  # signal dictionaries are read alone
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
     "cosimo": NAMESPACE,
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",

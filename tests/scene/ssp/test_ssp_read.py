@@ -507,3 +507,55 @@ def test_arrays_that_do_not_fit_are_refused(load, folder, old, new, named):
     with pytest.raises(BadInput) as caught:
         load(text.replace(old, new), valid=False)
     assert [part for part in named if part not in str(caught.value)] == [], caught.value
+
+
+def dictionary(entries, name="d"):
+    rows = "".join(
+        f'<ssb:DictionaryEntry name="{n}"><ssc:Real unit="{unit}"/></ssb:DictionaryEntry>' for n, unit in entries.items()
+    )
+    return (
+        f'<ssd:SignalDictionaries><ssd:SignalDictionary name="{name}"><ssb:SignalDictionary version="1.0" name="{name}" '
+        f'xmlns:ssb="http://ssp-standard.org/SSP1/SystemStructureSignalDictionary">{rows}<ssb:Units>{systems.definitions("ssc:")}</ssb:Units>'
+        "</ssb:SignalDictionary></ssd:SignalDictionary></ssd:SignalDictionaries>"
+    )
+
+
+def reference(name, *signals, of="d"):
+    ports = "".join(f'<ssd:Connector name="{s}" kind="inout"><ssc:Real/></ssd:Connector>' for s in signals)
+    inside = f"<ssd:Connectors>{ports}</ssd:Connectors>"
+    return f'<ssd:SignalDictionaryReference name="{name}" dictionary="{of}">{inside}</ssd:SignalDictionaryReference>'
+
+
+def with_dictionary(root, entries):
+    return root.removesuffix("</ssd:System>") + dictionary(entries) + "</ssd:System>"
+
+
+def test_a_signal_dictionary_joins_what_reaches_it_anywhere_in_the_system(load):
+    """3 m at the top is 3000 mm in the dictionary, and 3 m again at b, in a system of its own, and at c."""
+    inner = system("in", reference("here", "v") + component("b", source="metres.fmu"), connection("here.v", "b.u"))
+    a = component("a", inside=bindings("u=Real:3"), source="metres.fmu")
+    outer = connection("a.y", "bus.v") + connection("bus.v", "c.u")
+    root = system("s", a + component("c", source="metres.fmu") + reference("bus", "v") + inner, outer)
+    scene = read(load, with_dictionary(root, {"v": "mm"}), valid=False)
+    assert set(scene.arrows) == {"a.y -> in.b.u", "a.y -> c.u"}
+    assert {k: pytest.approx(v, rel=1e-15) for k, v in values(scene).items() if k.endswith("x")} == {
+        "a.x": 3.0,
+        "in.b.x": 3.0,
+        "c.x": 3.0,
+    }
+
+
+@pytest.mark.parametrize(
+    ("links", "of", "part"),
+    [
+        (connection("a.y", "bus.v") + connection("b.y", "bus.v"), "d", "driven a second time"),
+        (connection("a.y", "bus.w"), "d", "connector 'w'"),
+        (connection("bus.v", "bus.v"), "d", "one that gives and one that takes"),
+        (connection("a.y", "bus.v"), "e", "reference to the signal dictionary e"),
+    ],
+)
+def test_a_signal_of_a_dictionary_has_one_source(load, links, of, part):
+    root = with_dictionary(system("s", PAIR + reference("bus", "v", of=of), links), {"v": "m"})
+    with pytest.raises(BadInput) as raised:
+        read(load, root, valid=False)
+    assert part in str(raised.value)
