@@ -7,13 +7,8 @@ from pathlib import Path
 
 from ...components.core.errors import BadInput, StepFailed
 from ..delivery import DELIVERY
-from ..harness import report
 from ..harness.preferred_units import preferred
-from ..harness.report.trust import percent
-from ..harness.summary import Summary, pacing_rows, to_json, to_table, verification_text
-from ..harness.validation.case import to_json as to_document
-from ..harness.validation.case import to_table as to_rows
-from ..harness.validation.limits_of_run import judge
+from ..harness.summary import Summary, pacing_rows, percent, to_json, to_table, verification_text
 from ..judgement import advise
 from ..judgement.dry_run import NOTHING_PROBED, first_part, lines, not_executed, tables, why_not_executed
 from ..output import ensure_directory, write_json, write_table
@@ -63,6 +58,11 @@ def summary_of(result: Result) -> tuple[Summary, list[str]]:
 
 def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
     """Write summary.json and the report beside the run's own files; the paths of all. What cannot be written is a message."""
+    from ..harness import report
+    from ..harness.validation.case import to_json as to_document
+    from ..harness.validation.case import to_table as to_rows
+    from ..harness.validation.limits_of_run import judge
+
     names = ["result.parquet", "result.csv", "run.json"]
     if numbers:
         try:
@@ -90,8 +90,12 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
 
 def print_limits(result: Result, numbers: Summary) -> bool:
     """Print the rows of the scene's limits, if it has some; whether the run fails one that decides."""
-    if (judged := judge(result, numbers)) is None:
+    if result.scene.limits is None:
         return False
+    from ..harness.validation.limits_of_run import judge
+
+    judged = judge(result, numbers)
+    assert judged is not None
     case = judged[0]
     print_rows(case)
     warn([*case.findings.notes, *case.doubtful])

@@ -173,6 +173,15 @@ def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, .
     return (*COLUMNS, "parameter error"), [(*cells, known(row.parameters)) for cells, row in zip(table, summary, strict=True)]
 
 
+def percent(share: float | None) -> str:
+    """A share of a signal's deviation, with two digits."""
+    if share is None:
+        return "not known"
+    if share < 1e-4:
+        return "< 0.01 %" if share else "0"
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
+
+
 def verification_text(verification: VerificationRecord) -> str:
     """How the errors of a run were found, or why there are none."""
     return f"{_numerical_text(verification)}{_parameters_text(verification.parameters)}"

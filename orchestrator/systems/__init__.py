@@ -304,11 +304,14 @@ def summary(result: Result) -> SummaryTable:
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
     from ..harness.summary import SummaryTable, pacing_rows, with_errors
-    from ..harness.validation.limits_of_run import limit_numbers
 
     system = result.scene.analysis.system
     of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
-    numbers = (*of_system, *limit_numbers(result, of_system))
+    numbers = tuple(of_system)
+    if result.scene.limits is not None:
+        from ..harness.validation.limits_of_run import limit_numbers
+
+        numbers += tuple(limit_numbers(result, of_system))
     return SummaryTable((*with_errors(numbers, result.info.verification), *pacing_rows(result.info.real_time)))
 
 

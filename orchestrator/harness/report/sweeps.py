@@ -10,8 +10,9 @@ from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.style import number
 from ..many.repetition import NONE_REPEATED
+from ..summary import percent
 from .bifurcation import section_panel
-from .trust import SHOWN, percent
+from .trust import SHOWN
 
 MOST_GROUPS = 7  # colours of lines
 

@@ -12,7 +12,7 @@ from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..preferred_units import preferred
-from ..summary import verification_text
+from ..summary import percent, verification_text
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -63,15 +63,6 @@ def _kind(error: SignalRecord) -> str:
     if error.parted:
         return "chaotic: trajectories diverge, statistics agree"
     return "switches at other instants" if error.shifted else ""
-
-
-def percent(share: float | None) -> str:
-    """A share of a signal's deviation, with two digits."""
-    if share is None:
-        return "not known"
-    if share < 1e-4:
-        return "< 0.01 %" if share else "0"
-    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
 
 
 def _curves(given: Excerpt, result: Result, step: float) -> Chart:
