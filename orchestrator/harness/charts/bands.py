@@ -6,6 +6,7 @@ It keeps its samples, which a page shows where one zooms in.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,7 @@ def outline(at: np.ndarray, least: np.ndarray, largest: np.ndarray) -> tuple[np.
     return (np.concatenate(xs)[:-1], np.concatenate(ys)[:-1]) if xs else (at[:0], at[:0])
 
 
-def banded(trace: dict[str, Any], x: np.ndarray, y: np.ndarray, points: int) -> dict[str, Any]:
+def banded(trace: Mapping[str, Any], x: np.ndarray, y: np.ndarray, points: int) -> dict[str, Any]:
     """A line's trace as the band of a history, with about so many points; its samples stay with it."""
     colour = trace.get("line", {}).get("color", CYCLE[0])
     filled = {"fill": "toself", "fillcolor": tint(colour, SHADE) if colour.startswith("#") else colour, "hoveron": "points"}
@@ -55,7 +56,7 @@ def banded(trace: dict[str, Any], x: np.ndarray, y: np.ndarray, points: int) -> 
     return {**trace, "x": drawn(xs, 7), "y": drawn(ys, 7), "mode": "lines", SAMPLES: (x, y), **filled}
 
 
-def fewer(trace: dict[str, Any], points: int) -> dict[str, Any]:
+def fewer(trace: Mapping[str, Any], points: int) -> Mapping[str, Any]:
     """A line's trace with at most about so many points: a history as its band, an orbit by its shape; as it is where it has no more."""
     if len(trace["x"]) <= points:
         return trace
@@ -66,7 +67,7 @@ def fewer(trace: dict[str, Any], points: int) -> dict[str, Any]:
     return {**trace, "x": drawn(x[kept], 6), "y": drawn(y[kept])}
 
 
-def samples_of(trace: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+def samples_of(trace: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """(x, y) of all samples of a line, floats, NaN in its gaps."""
     x, y = trace[SAMPLES] if SAMPLES in trace else (trace["x"], trace["y"])
     return np.asarray(x, dtype=float), np.asarray(y, dtype=float)

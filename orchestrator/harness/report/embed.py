@@ -130,7 +130,7 @@ def _numbers(values: Sequence[Any]) -> np.ndarray:
     return np.array(values, dtype=float)  # None becomes NaN
 
 
-def _packed(trace: Spec) -> Spec:
+def _packed(trace: Mapping[str, Any]) -> Spec:
     """Long arrays as bytes, in single precision where neighbours stay apart; a gap, None, is NaN there."""
     own = {k: v for k, v in trace.items() if k != SAMPLES}
     return {**own, **{k: _bytes(_numbers(v)) for k, v in _arrays(trace).items() if _size(v) > PACKED}}

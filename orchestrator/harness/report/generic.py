@@ -169,7 +169,7 @@ def time_series(result: Result) -> list[Figure]:
 def _wraps(angle: np.ndarray) -> bool:
     """Whether an angle goes around: it falls or rises by nearly a turn, more than once."""
     moves = np.abs(np.diff(angle))
-    return np.count_nonzero(moves > 0.8 * TURN) > 1 and float(np.nanmax(moves)) < 1.01 * TURN
+    return int(np.count_nonzero(moves > 0.8 * TURN)) > 1 and float(np.nanmax(moves)) < 1.01 * TURN
 
 
 def _value(name: str, value: float, result: Result) -> str:
@@ -238,9 +238,9 @@ def _units(result: Result, written: Mapping[str, Any]) -> list[Facts]:
             rows.append((name, _measured(values, getattr(variable, "unit", "1") or "1", name)))
         alike.setdefault(tuple(rows), []).append(unit)
     facts = []
-    for rows, units in alike.items():
-        facts.append(Facts(f"{', '.join(units)}: parameters", [row for row in rows if len(row[1]) <= WHOLE_WIDTH], True))
-        facts += [Facts(f"{', '.join(units)}: {name}", [("", text)], True) for name, text in rows if len(text) > WHOLE_WIDTH]
+    for listed, units in alike.items():
+        facts.append(Facts(f"{', '.join(units)}: parameters", [row for row in listed if len(row[1]) <= WHOLE_WIDTH], True))
+        facts += [Facts(f"{', '.join(units)}: {name}", [("", text)], True) for name, text in listed if len(text) > WHOLE_WIDTH]
     return facts
 
 

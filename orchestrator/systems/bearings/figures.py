@@ -257,7 +257,7 @@ def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
     """Lines to look for: those the scene marks, else of what has a defect, the passing of balls and the shaft; of others the first."""
     if not record.frequencies:
         return []
-    whole = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
+    whole: tuple[str, ...] = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
     f, turn = record.frequencies, abs(record.rotation)
     known = {
         "outer": Family(NAMES["outer"], f["outer"], 5),
