@@ -30,6 +30,7 @@ from .kernels import COMPILED, DONE, NOT_FINITE, RAISED, kernel_tuple
 from .variables import Causality
 
 STANDARD = ("u", "y", "x", "counts")  # fields of every `s`
+LAID_OUT = (*STANDARD, "block", "arguments", "_structure")  # of an instance, from when one of them is asked for
 
 
 IMAGES = 8  # memories that are held, of components whose initialization is long
@@ -83,6 +84,7 @@ class KernelComponent(Component):
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
     known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
     unread: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of each kernel the effects that it does not read
+    block: Block | None
     _kept_of: tuple[Any, ...] = ()  # the values that the `kept` arrays in the block follow from
 
     def __init_subclass__(cls) -> None:
@@ -104,14 +106,35 @@ class KernelComponent(Component):
         return {}
 
     def __init__(self, *arguments: Any, **more: Any) -> None:
-        self.block: Block | None = None
         super().__init__(*arguments, **more)
+        own = vars(self)
+        self._outside: dict[str, Any] = {name: own.pop(name) for name in STANDARD}  # what memory begins with
+        if any(hasattr(type(self), name) for name in LAID_OUT):  # a variable that is called so would answer instead
+            self._stand_in_memory()
+
+    def __getattr__(self, name: str) -> Any:
+        """Memory is laid out when it is needed: many instances are only asked for parameters."""
+        if name not in LAID_OUT or "_outside" not in vars(self):
+            raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}", name=name, obj=self)
+        self._stand_in_memory()
+        return object.__getattribute__(self, name)
+
+    def _stand_in_memory(self) -> None:
+        vars(self).update(vars(self).pop("_outside"), block=None)
         self._lay_out_if_possible()
+
+    def get(self, name: str) -> Any:
+        """The value of a parameter, an input or an output."""
+        if "_outside" in vars(self) and name in self._input_index:
+            return float(self._outside["u"][0, self._input_index[name]])
+        return super().get(name)
+
+    __getitem__ = get
 
     def set(self, name: str, value: Any) -> None:
         """Set a parameter (before `initialize`, unless it is tunable) or the present value of an input, in the block, too."""
         super().set(name, value)
-        if self.block is not None and name in self.parameters:
+        if name in self.parameters and vars(self).get("block") is not None:
             if self._structure != self._present_structure():
                 self._lay_out_if_possible()
             else:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from math import sqrt
 from typing import Any
 
@@ -17,10 +18,11 @@ import numpy as np
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
 from ..run.key_results import KeyResults
-from ..run.results import Result
+from ..run.results import OnDemand, Result
 from ..run.thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
 
 Values = Callable[[Result], KeyResults]
+Of = Callable[[str], np.ndarray]  # of a signal by its name: its rows
 
 
 def denser(result: Result, times: int) -> Result | None:
@@ -34,11 +36,13 @@ def denser(result: Result, times: int) -> Result | None:
     share = np.arange(times) / times
     time = np.append((t[:-1, None] + np.diff(t)[:, None] * share).ravel(), t[-1])
     before = np.minimum(np.arange(time.size) // times, t.size - 1)
-    columns = {}
-    for name, values in result.columns.items():
+
+    def filled(name: str) -> np.ndarray:
+        values = result.columns[name]
         smooth = _smooth(result, name, values)
-        columns[name] = np.append(curve(t, values, share).ravel(), values[-1]) if smooth else values[before]
-    return replace(result, time=time, columns=columns, texts={name: texts[before] for name, texts in result.texts.items()})
+        return np.append(curve(t, values, share).ravel(), values[-1]) if smooth else values[before]
+
+    return _of_columns(result, time, filled, lambda name: result.texts[name][before])
 
 
 def curve(t: np.ndarray, y: np.ndarray, share: np.ndarray) -> np.ndarray:
@@ -54,9 +58,12 @@ def curve(t: np.ndarray, y: np.ndarray, share: np.ndarray) -> np.ndarray:
     defined = both > 1e-9 * both.max()
     left, right = m[1:-2], m[2:-1]
     slopes = np.where(defined, left + before / np.where(defined, both, 1.0) * (right - left), 0.5 * (m[3:] + m[:-3]))
-    y0, rise = y[:-1, None], np.diff(y)[:, None]
-    begin, end = slopes[:-1, None] * h[:, None], slopes[1:, None] * h[:, None]
-    return y0 + share * (begin + share * (3.0 * rise - 2.0 * begin - end + share * (begin + end - 2.0 * rise)))
+    rise, begin, end = np.diff(y), slopes[:-1] * h, slopes[1:] * h
+    square, cube = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
+    points = np.empty((rise.size, share.size))
+    for k, s in enumerate(share.tolist()):  # of few: whole columns take half the time of short rows
+        points[:, k] = y[:-1] + s * (begin + s * (square + s * cube))
+    return points
 
 
 def _smooth(result: Result, name: str, values: np.ndarray) -> bool:
@@ -106,9 +113,10 @@ def rows_of(result: Result, rows: np.ndarray | None) -> Result:
     """A result with some of its rows; all of them for None."""
     if rows is None or rows.size == result.rows:
         return result
-    return replace(
-        result,
-        time=result.time[rows],
-        columns={name: column[rows] for name, column in result.columns.items()},
-        texts={name: column[rows] for name, column in result.texts.items()},
-    )
+    return _of_columns(result, result.time[rows], lambda name: result.columns[name][rows], lambda name: result.texts[name][rows])
+
+
+def _of_columns(result: Result, time: np.ndarray, numbers: Of, texts: Of) -> Result:
+    """A result with other rows, which are made where they are read: figures read few columns."""
+    columns = OnDemand(result.columns, cache(numbers))
+    return replace(result, time=time, columns=columns, texts=OnDemand(result.texts, cache(texts)))

@@ -32,6 +32,7 @@ from ..run.comparison import (
     excerpt,
     figure_errors,
     needs_third,
+    others,
     signal_errors,
     worst_of,
 )
@@ -321,7 +322,7 @@ def _between_rows(first: Result, second: Result, figures: list[KeyResults]) -> l
     gaps: list[Mapping[str, float]] = [_gaps(first, figures[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
     there = common_rows(first.time, second.time)[1]
     if there is not None and 2 * second.rows >= 3 * there.size:
-        gaps.append(_gaps(second, figures[1], np.setdiff1d(np.arange(second.rows), there)))
+        gaps.append(_gaps(second, figures[1], others(second.rows, there)))
     return [*gaps, between(first, figures[0], key_results)]
 
 
@@ -330,7 +331,8 @@ def _gaps(result: Result, figures: KeyResults, rows: np.ndarray) -> dict[str, fl
     that matters with them, from which ways and energies count; the smaller one.
     """
     gaps: dict[str, float] = {}
-    for some in (rows, np.union1d(rows, [0, result.rows - 1])):
+    inner = rows[(rows > 0) & (rows < result.rows - 1)]
+    for some in (rows, np.concatenate(([0], inner, [result.rows - 1]))):
         if gaps and all(gap <= NO_MATTER * abs(figures[name]) for name, gap in gaps.items()):
             break
         for name, gap in figures.finite_gaps(known_results(rows_of(result, some))).items():

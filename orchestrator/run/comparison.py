@@ -157,7 +157,7 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
         return Difference(
             rms,
             float(gap.max()),
-            np.array([_rms(part) for part in np.array_split(gap, SECTIONS)]),
+            np.sqrt(_in_sections(gap**2)),
             own / scale if scale else 1.0,
             float(rest) if rest**2 < (1.0 - BULK) * rms**2 else rms,
             *_ranges(first, second),
@@ -183,16 +183,23 @@ def _decays(values: np.ndarray) -> bool:
 
 def _of_shares(other: np.ndarray) -> Difference:
     """Of values that are the same or not, (n,)."""
-    return Difference(
-        float(other.mean()),
-        float(other.max(initial=0)),
-        np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, SECTIONS)]),
-    )
+    return Difference(float(other.mean()), float(other.max(initial=0)), _in_sections(other))
 
 
 def _whole(values: np.ndarray) -> bool:
     """Whether all values are whole numbers, as of a flag that is no Boolean."""
     return bool(np.all(values == np.rint(values)))
+
+
+def _in_sections(values: np.ndarray) -> np.ndarray:
+    """Means of (n,) values in as many sections as even as can be, as `np.array_split` makes them; 0 in one without values."""
+    n, longer = divmod(values.size, SECTIONS)
+    means, first = np.zeros(SECTIONS), longer * (n + 1)
+    if longer:
+        means[:longer] = values[:first].reshape(longer, n + 1).mean(axis=1)
+    if n:
+        means[longer:] = values[first:].reshape(SECTIONS - longer, n).mean(axis=1)
+    return means
 
 
 def _rms(values: np.ndarray) -> float:
@@ -212,6 +219,13 @@ def common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | Non
     return (np.flatnonzero(same), k[same]) if 2 * same.sum() >= first.size else (None, None)
 
 
+def others(n: int, rows: np.ndarray) -> np.ndarray:
+    """Of n rows those that are none of `rows`, in their order."""
+    left = np.ones(n, dtype=bool)
+    left[rows] = False
+    return np.flatnonzero(left)
+
+
 def _signal(result: Result, name: str) -> Signal | None:
     """The declaration of a recorded output."""
     unit, output = result.scene.split(name)
@@ -228,7 +242,7 @@ def between_rows(first: Result, second: Result) -> dict[str, float]:
     there = common_rows(first.time, second.time)[1]
     if there is None or 2 * second.rows < 3 * there.size or there.size < FEWEST_ROWS:
         return {}
-    between = np.setdiff1d(np.arange(there[0], there[-1]), there)
+    between = there[0] + others(there[-1] - there[0], there[:-1] - there[0])
     gaps = {}
     for name, x in ((name, second[name]) for name in second.columns):
         signal = _signal(first, name)

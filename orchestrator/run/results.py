@@ -337,8 +337,8 @@ class StoredResult(Result):
         return self.columns.table.extremes(name)  # type: ignore[attr-defined]
 
 
-class _Stored(Mapping[str, Any]):
-    """Values by name that are read when they are asked for, and not kept."""
+class OnDemand(Mapping[str, Any]):
+    """Values by name that are read or computed when they are asked for, and not kept."""
 
     def __init__(self, names: Iterable[str], read: Callable[[str], Any], table: Rows | None = None):
         self._names, self._read, self.table = dict.fromkeys(names), read, table
@@ -347,6 +347,9 @@ class _Stored(Mapping[str, Any]):
         if name not in self._names:
             raise KeyError(name)
         return self._read(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
@@ -368,11 +371,11 @@ def result_of(
         return StoredResult(
             scene,
             table,  # type: ignore[arg-type]
-            _Stored(table.names, table.column, table),
-            _Stored(snapshots, lambda name: Snapshot(*joined(snapshots[name])[:2])),
+            OnDemand(table.names, table.column, table),
+            OnDemand(snapshots, lambda name: Snapshot(*joined(snapshots[name])[:2])),
             measures,
             info,
-            _Stored(table.texts, table.column),
+            OnDemand(table.texts, table.column),
             directory,
         )
     time, values, texts = joined(table) if table is not None else (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))

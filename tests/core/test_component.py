@@ -197,3 +197,18 @@ def test_values_are_had_by_name_and_outputs_set():
     assert one.force == 8.0
     one.mass = 5.0  # a name of its own, as before
     assert (one.mass, one.parameters["mass"]) == (5.0, 4.0)
+
+
+def test_memory_is_laid_out_when_it_is_needed_with_what_was_set_until_then():
+    line = Catenary(["moving_window"])
+    assert line.get("element") == line["element"] == 0.4
+    assert line["contact_position"] == Catenary.variables["contact_position"].start
+    assert "block" not in vars(line)
+    line.set("element", 0.8)
+    assert "block" not in vars(line)
+    line.set("contact_position", 5.0)
+    before = Catenary(["moving_window"])
+    assert line.x.size < before.x.size  # longer elements
+    assert line.u[0, line.input_positions(["contact_position"])[0]] == 5.0
+    with pytest.raises(AttributeError, match="no attribute 'other'"):
+        line.other  # noqa: B018

@@ -199,7 +199,7 @@ def test_a_state_is_exact_and_knows_its_row():
 def test_machine_code_is_shared_by_all_tables():
     one, other = table(TIMES, VALUES), table([0, 1], [0, 1], [2, 3])
     assert type(one) is not type(other)
-    assert type(one).Memory is type(other).Memory
+    assert type(one.block.s) is type(other.block.s)
     assert type(one).Values is type(other).Values
 
 

@@ -53,7 +53,13 @@ class Feedthrough:
         self.acts: Acts = [*follow, push]
         if any(k in node.held for part in following for node in part for k, _ in node.direct):
             left, right = ([(act, part) for part in following] for act in (LEFT, RIGHT))
-            self.acts = [*left, (LOOK, network.fed), *right, (SHIFT, network.fed), push]
+            bonded = {link.target[0] for bond in network.coupling.bonds for link in bond.links}  # whose jumps are noted
+            kept = [  # of which more than the newest sample counts, the one that `PUSH` sets anyway
+                node
+                for node in network.fed
+                if node.own or node.unit.name in bonded or any(s.degree or s.every > 1 for s in node.samples)
+            ]
+            self.acts = [*left, (LOOK, kept), *right, (SHIFT, kept), push]
         self.rows = network.rows(*follow)
         self._parts: list[LoopSolver | RowRange] = [
             part if isinstance(part, LoopSolver) else network.rows((FOLLOW, part)) for part in parts

@@ -154,7 +154,9 @@ class PointRuns:
             self.close()
             scene = self.scene.with_changes(changed) if changed else self.scene
             if not any(kind.outside for kind in scene.kinds.values()):
-                open_scene = OpenScene(self._task.alterations.altered(scene), self._stack, in_process=True)
+                altered = self._task.alterations.altered(scene)
+                _ = altered.ends  # figures ask for these: known here, they are known of every copy with other numbers
+                open_scene = OpenScene(altered, self._stack, in_process=True)
                 self._open_scene = open_scene if open_scene.takes({}) else None
             self._key = key
         return self._open_scene

@@ -51,6 +51,14 @@ def test_the_error_of_every_signal_is_at_least_half_of_the_true_one(algorithm, d
         assert warned or true < 0.05 * TWICE
 
 
+@pytest.mark.parametrize("n", [1, 255, 256, 257, 4501])
+def test_sections_are_even_parts_of_a_run(n):
+    gap = np.random.default_rng(n).uniform(0.5, 2.0, n)
+    own = difference(np.ones(n), 1.0 + gap).sections * scale_of(1.0 + gap)
+    expected = [np.sqrt(np.mean(part**2)) if part.size else 0.0 for part in np.array_split(gap, own.size)]
+    assert own == pytest.approx(expected, rel=1e-14)
+
+
 def test_a_figure_has_the_error_of_its_closed_form():
     """Mean contact force under held inputs against the iterated run's, which the pantograph's balance confirms."""
     scene = load_scene("en50318-2002").with_changes({"master.algorithm": "jacobi", "master.extrapolation": 0})
