@@ -13,9 +13,6 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, StepFailed
 from ..harness.component_page import component_page
 from ..harness.studies.full_model import with_required
-from ..harness.studies.trial import Timing, repeated
-from ..harness.validation.reference import load_table, table_files
-from ..judgement.dry_run import SteppingPath, not_executed, stepping_path, why_not_executed
 from ..scene.drawing import Drawing
 from ..scene.scene import Scene, read_toml, scene_files
 from ..systems import cases
@@ -108,6 +105,8 @@ def of_component(
 
 def _costs(cls: type[Component], parameters: Mapping[str, Any], preset: str) -> dict[str, str]:
     """Effect -> what it adds to a step of the component's own length, in words."""
+    from ..harness.studies.trial import Timing, repeated
+
     measured: dict[tuple[str, ...], Timing] = {}
 
     def timing(on: tuple[str, ...]) -> Timing:
@@ -141,6 +140,8 @@ def _costs(cls: type[Component], parameters: Mapping[str, Any], preset: str) -> 
 
 def reference_rows(name: str) -> list[dict[str, Any]]:
     """Rows of a case's table; none where its ranges are computed in the run."""
+    from ..harness.validation.reference import load_table, table_files
+
     return [
         {
             "quantity": r.quantity,
@@ -188,6 +189,8 @@ def of_scene(
     name: str, effects: list[str] | None, values: list[str] | None, presets: list[str] | None
 ) -> tuple[dict[str, Any], Drawing]:
     """A scene's title and tables, and its drawing."""
+    from ..judgement.dry_run import SteppingPath, not_executed, stepping_path, why_not_executed
+
     scene = loaded_scene(name)
     scene = scene.with_changes(switched_on(scene, effects))
     scene = scene.with_changes(changes_of(scene, values, presets))

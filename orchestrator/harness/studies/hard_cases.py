@@ -20,7 +20,6 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, pick
 from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Like, Refused, seen
 from ...output import write_table
-from ...run.progress import tracked
 from ..journal import once
 
 
@@ -90,6 +89,8 @@ def declared() -> dict[str, tuple[HardCase, ...]]:
 
 def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> HardCases:
     """Run the cases of the components given, or of all. Raises `BadInput` for a component that is not in the catalogue."""
+    from ...run.progress import tracked
+
     cases = declared()
     chosen = list(components) or list(cases)
     for name in chosen:
