@@ -24,7 +24,7 @@ author = "the authors of cosimo"
 release = version = cosimo_pages.version()
 html_title = f"cosimo {release}"
 
-extensions = ["myst_nb", "cosimo_pages", "mathml", "search"]
+extensions = ["myst_nb", "cosimo_pages", "mathml", "search", "accessible"]
 exclude_patterns = ["site/*", "out/*"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
@@ -37,7 +37,7 @@ html_theme = "furo"
 html_static_path = [str(HERE / "site" / "static")]
 html_extra_path = [str(HERE / "llms.txt")]  # for programs that read the site
 html_css_files = ["site.css"]
-html_js_files = ["plots.js"]
+html_js_files = ["plots.js", "scrolling.js"]
 html_search_scorer = str(HERE / "site" / "static" / "scorer.js")
 html_show_sphinx = html_show_copyright = False
 html_copy_source = False

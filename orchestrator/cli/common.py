@@ -53,6 +53,19 @@ COLOURS = {
 class Commands(TyperGroup):
     """All commands, in groups by what they are for. Signals are answered at any moment, and a closed pipe ends them quietly."""
 
+    def __init__(self, **attributes: Any):
+        super().__init__(**attributes)
+        commands = list(self.commands.values())
+        for command in commands:
+            commands += getattr(command, "commands", {}).values()
+            for argument in command.params:
+                if (
+                    getattr(argument, "type_descriptor", None)
+                    and argument.type_descriptor.is_list
+                    and not argument.opts[0].startswith("-")
+                ):
+                    argument.display_type = lambda context: ""  # the name has dots; typer adds a type of Python
+
     def invoke(self, ctx: Any) -> Any:
         try:
             with interruptible():

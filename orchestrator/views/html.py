@@ -66,7 +66,7 @@ def result_html(result: Recorded) -> str:
     if result.message:
         parts.append(escape(_short(result.message)))
     warnings = result.info.warnings
-    parts += [f'<span style="color:{OTHER}">warning:</span> {escape(_short(w))}' for w in warnings[:WARNINGS]]
+    parts += [f"<b>warning:</b> {escape(_short(w))}" for w in warnings[:WARNINGS]]
     if len(warnings) > WARNINGS:
         parts.append(f"{len(warnings) - WARNINGS} more warnings: <code>.info.warnings</code>")
     return visible_in_page(f"<div>{'<br>'.join(parts)}{_signals(result)}{_numbers(result)}</div>")

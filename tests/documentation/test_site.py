@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import threading
 from importlib.util import find_spec
 from pathlib import Path
@@ -333,3 +334,32 @@ def test_dark_pages_are_dark(browser, address):
         visit.close()
     assert seen["light"][0] > 200 > 100 > seen["light"][1]
     assert seen["dark"][0] < 60 < 150 < seen["dark"][1]
+
+
+@pytest.fixture(scope="module")
+def axe(tmp_path_factory):
+    """The source of axe-core, of the npm registry."""
+    npm = shutil.which("npm")
+    if npm is None:
+        pytest.skip("npm is not installed")
+    folder = tmp_path_factory.mktemp("axe")
+    done = subprocess.run(
+        [npm, "pack", "axe-core@4", "--silent"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    if done.returncode:
+        pytest.skip(f"axe-core cannot be fetched: {done.stderr.strip()[:200]}")
+    with tarfile.open(next(folder.glob("*.tgz"))) as package:
+        return package.extractfile("package/axe.min.js").read().decode()
+
+
+def test_pages_keep_the_rules_of_axe_core(browser, address, axe):
+    """Without contrast, the one rule that depends on the scheme: a test of its own looks at that on all pages."""
+    page, broken = browser.new_page(), []
+    settings = "{resultTypes: ['violations'], rules: {'color-contrast': {enabled: false}}}"
+    for path in ("index.html", "search.html", "stability.html", "generated/components/Pantograph.html"):
+        page.goto(address + path, wait_until="load")
+        page.evaluate(axe)
+        rules = page.evaluate(f"axe.run({settings}).then((r) => r.violations.map((v) => [v.id, v.nodes[0].html]))")
+        broken += [(path, *rule) for rule in rules]
+    page.close()
+    assert broken == []
