@@ -292,6 +292,8 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
     name, equals, value = assigned(scene, text)
     if option := OPTIONS.get(name):
         raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name} is no parameter of a unit.")
+    if equals and value and "." not in name:
+        parameter_of(scene, name)  # refuses a parameter without its unit by its whole name
     if not equals or "." not in name or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
     given, known = value_of(value), parameter_of(scene, name)

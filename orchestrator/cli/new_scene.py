@@ -155,6 +155,7 @@ def scene(
     Or like another: cosimo new scene my-scene.toml --from friction-drive-step
     """
     from ..systems import load_scene
+    from ..systems.railway.line import read as read_form
     from ..systems.railway.new_line import scene_text
 
     if (line is not None) + bool(units) + bool(source) != 1:
@@ -180,6 +181,7 @@ def scene(
         }
         later = {"temperature.change": number_given(temperature, "K", "--temperature")} if temperature else {}
         later |= {"wear.share": 0.0 if wear in ("0", "0%") else share("--wear", wear)} if wear else {}
+        read_form(line, {}, droppers)  # refuses forces of droppers that cannot be, here and not in the first run
         text, taken = scene_text(
             file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits, own=own, later=later
         )

@@ -25,9 +25,10 @@ FILE_KINDS = {  # kind -> what it is, and what reads it
     "CSV": ("a CSV table", "the file or option that names it, such as cosimo new line, --droppers or file = of a curve"),
     "result": ("the results of a run", "cosimo compare DIR or cosimo open DIR"),
     "report": ("the results of a study", "cosimo open DIR"),
+    "page": ("a page to read", "a browser"),
     "folder": ("a folder", ""),
 }
-SUFFIXES = {".fmu": "FMU", ".ssp": "SSP", ".ssd": "SSP", ".xml": "OSP", ".csv": "CSV"}
+SUFFIXES = {".fmu": "FMU", ".ssp": "SSP", ".ssd": "SSP", ".xml": "OSP", ".csv": "CSV", ".html": "page", ".pdf": "page"}
 KEYS = {  # kind of a TOML file -> keys of which one shows it; the first kind that fits counts
     "scene": ("units",),
     "line": ("sections",),

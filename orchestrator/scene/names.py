@@ -48,7 +48,8 @@ def place_of(scene: SceneSettings, name: str) -> Place:
     path = rest if head == "units" else name
     unit = path if head == "units" and path in scene.units else _unit_of(scene, path, scene.units, where)
     if unit not in scene.units:
-        known = [*scene.units, *(() if head == "units" else SceneSettings.model_fields)]
+        known = [f"{u}.{name}" for u in scene.units if name in declared(scene, u)]  # of a parameter without its unit
+        known = known or [*scene.units, *(() if head == "units" else SceneSettings.model_fields)]
         raise BadInput(where, f"unit {unit!r}", "a unit of the scene", nearest(unit, known))
     within = path[len(unit) + 1 :]
     if head == "units":

@@ -217,3 +217,20 @@ def test_a_line_that_is_too_short_says_how_long_it_must_be(folder, capsys):
     assert exit_code("new", "scene", "mine.toml", "--line", "short.toml") == 2
     assert "Make the line longer" in capsys.readouterr().err
     assert not (folder / "mine.toml").exists()
+
+
+def test_a_line_whose_droppers_would_push_gets_no_scene(folder, capsys):
+    table = """
+    [[sections]]
+    contact_wire = { tension = 22e3, mass = 1.35 }
+    messenger = { tension = 16e3, mass = 1.08 }
+    droppers = { first = 4.5, gap = 6.5, stiffness = 200e3 }
+    span = { relative_sag = 0.02 }
+    support = { system_height = 1.2, stiffness = 500e3 }
+    spans = [50, 60, 60, 60, 60, 60, 60]
+    supports = [5.3, 5.3, 5.3, 5.3, 5.3, 5.3, 5.3, 5.3]
+    """
+    (folder / "steep.toml").write_text(table)
+    assert exit_code("new", "scene", "mine.toml", "--line", "steep.toml") == 2
+    assert "48 of 62 droppers with thrust at rest: -535.7 N at 10.3571 m" in capsys.readouterr().err
+    assert not (folder / "mine.toml").exists()

@@ -65,7 +65,7 @@ REFUSALS = {
         "Give its angle, or a greater stagger.",
     ),
     SHORT_DROPPER: Refusal(
-        "the dropper at {refused[0]} m would be {refused[1]} m long",
+        "the dropper at {refused[0]} m with a length of {refused[1]} m",
         "a messenger above the contact wire",
         "Raise the system height, or the tension of the messenger.",
     ),

@@ -74,7 +74,7 @@ def refuse_pushing(form: Form, where: str) -> None:
         more = f" and {slack.size - MOST_NAMED} more" if slack.size > MOST_NAMED else ""
         raise BadInput(
             where,
-            f"{slack.size} of {form.preload.size} droppers would push at rest: {shown}{more}",
+            f"{slack.size} of {form.preload.size} droppers with thrust at rest: {shown}{more}",
             "tension in every dropper",
             "Raise the wire there or lower it at the droppers beside, reduce the pre-sag, or move or remove these droppers.",
         )
