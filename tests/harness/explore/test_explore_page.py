@@ -348,6 +348,11 @@ def test_pages_are_light_dark_and_narrow(small, browser):  # noqa: F811
     page.locator("#curve1 .main-svg").first.wait_for(timeout=WAIT)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 25, 31)"
+    slider, curve = page.locator("#first input[type=range]").last, page.locator("#curve1")
+    page.locator("#numbers dd").first.wait_for(timeout=WAIT)  # nothing grows any more
+    slider.scroll_into_view_if_needed()
+    box, dragged = curve.bounding_box(), slider.bounding_box()
+    assert 0 <= box["y"] < box["y"] + box["height"] <= dragged["y"] < 800  # the curve is in view above what one drags
     context.close()
 
 
