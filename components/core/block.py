@@ -193,10 +193,10 @@ class Block:
         for name in self._fields:
             yield from (leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name))
         yield from (leaf for path, leaf in self._leaves.items() if path[0] == "p")
-        effects = dict[str | int, list[Leaf]]()
+        effects = dict[str, list[Leaf]]()
         for path, leaf in self._leaves.items():
             if path[0] == "e":
-                effects.setdefault(path[1], []).append(leaf)
+                effects.setdefault(str(path[1]), []).append(leaf)
         either = self._either.get(entry, {})
         for name, leaves in effects.items():
             if name in self._unread.get(entry, ()):

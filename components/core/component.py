@@ -64,6 +64,7 @@ def _form(variable: Variable, value: Callable[[Variable], Any]) -> Any:
 
 
 def _start(scalar: Variable) -> Any:
+    assert not isinstance(scalar.start, tuple)
     return float(scalar.start) if scalar.kind is Kind.REAL else scalar.start
 
 

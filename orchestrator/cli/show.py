@@ -91,7 +91,7 @@ def show(
         if isinstance(rows, list) and rows and isinstance(rows[0], dict):
             print_table(
                 title.replace("_", " "),
-                [HEADINGS.get(key, key) for key in rows[0]],
+                [HEADINGS.get(str(key), str(key)) for key in rows[0]],
                 [tuple(map(_cell, row.values())) for row in rows],
             )
     print(*(f"{key}: {_cell(shown[key])}" for key in ("states", "step") if shown.get(key) is not None), sep="\n")
