@@ -55,7 +55,7 @@ class Commands(TyperGroup):
 
     def __init__(self, **attributes: Any):
         super().__init__(**attributes)
-        commands = list(self.commands.values())
+        commands: list[Any] = list(self.commands.values())
         for command in commands:
             commands += getattr(command, "commands", {}).values()
             for argument in command.params:
