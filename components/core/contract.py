@@ -225,8 +225,8 @@ class KernelComponent(Component):
         return self.block.take(name, known[key])
 
     def wanted(self) -> list[tuple[Any, int, tuple[Any, ...]]]:
-        """Of each entry what its machine code is made for; none where the parameters are refused."""
-        if self.block is None:
+        """Of each entry what its machine code is made for; none where the parameters are refused, or nothing is compiled."""
+        if self.block is None or not COMPILED:
             return []
         return [self.block.wanted(name, getattr(type(self).kernels, name), self.arguments) for name in ENTRIES]
 

@@ -4,6 +4,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.block import ENTRIES
 from cosimo.components.core.contract import KernelComponent
+from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import bits, compatible, excite, in_plain_python, slope_inputs, small, with_required
 
 SOME = [
@@ -54,6 +55,7 @@ def test_an_effect_that_is_read_all_the_same_is_seen():
     assert differs(wrong, "Catenary", ["damping"])
 
 
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
 def test_scenes_of_one_line_share_the_code_of_its_steps():
     """As many forms of code as sets of effects that a kernel reads."""
     cls = component_class("Catenary")
