@@ -13,6 +13,7 @@ import numpy as np
 from ....components.core.component import TABLES, Component
 from ....components.core.errors import BadInput
 from ....components.core.signals import KNOWN, LOOKED_AT
+from ....components.core.variables import Variable
 from ...settings.units import TABLE_KEYS
 from ..interface import Interface
 from ..signal_files import SUFFIXES, read_signals
@@ -52,6 +53,11 @@ class SignalsKind(ComponentKind):
         with suppress(BadInput):
             self._read_for_a_result()
         return KNOWN.get(self.settings.component)
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """None of a table that is gone."""
+        return self.component_class.variables if self.component_class else {}
 
     def _read_for_a_result(self) -> None:
         """The table of the scene of a stored result, which this process has not read; raises `BadInput` where it is another now."""
