@@ -48,18 +48,14 @@ class ButterworthFilter:
         The causal pass starts as if the first sample had stood for ever; the zero-phase one extends both ends by odd
         reflection. So keep some periods of the cut-off between a window of interest and the ends of the signal.
         """
-        from scipy.signal import sosfilt
+        from scipy.signal import sosfilt, sosfilt_zi, sosfiltfilt
 
         if not self.cutoff < 0.5 * rate:
             raise BadInput("filter", f"cut-off {self.cutoff:g} Hz at {rate:g} samples per second", f"less than {0.5 * rate:g} Hz")
-        coefficients, standing = sections(self, rate), standing_states(self, rate)
+        coefficients = sections(self, rate)
         if not self.zero_phase:
-            return sosfilt(coefficients, x, zi=standing * x[0])[0]
-        n = min(x.size - 1, int(3 * rate / self.cutoff))  # samples that each end is extended by
-        y = np.concatenate((2.0 * x[0] - x[n:0:-1], x, 2.0 * x[-1] - x[-2 : -(n + 2) : -1]))
-        for _ in ("forward", "backward"):
-            y = sosfilt(coefficients, y, zi=standing * y[0])[0][::-1]
-        return y[n : y.size - n]
+            return sosfilt(coefficients, x, zi=sosfilt_zi(coefficients) * x[0])[0]
+        return sosfiltfilt(coefficients, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
 
 
 @lru_cache(maxsize=64)  # a report and the errors of its numbers apply the same few filters many times
@@ -73,14 +69,6 @@ def sections(of: ButterworthFilter, rate: float) -> np.ndarray:
     # The bilinear transform warps frequencies by tan; shifting the cut-off on the warped axis is exact at any rate.
     warped = np.tan(np.pi * of.cutoff / rate) * EDGE ** (-1.0 / n if of.kind == "lowpass" else 1.0 / n)
     return butter(n, rate / np.pi * np.arctan(warped), of.kind, fs=rate, output="sos")
-
-
-@lru_cache(maxsize=64)
-def standing_states(of: ButterworthFilter, rate: float) -> np.ndarray:
-    """(sections, 2) states of the sections of a pass in which a signal stands at 1."""
-    from scipy.signal import sosfilt_zi
-
-    return sosfilt_zi(sections(of, rate))
 
 
 def uniform(time: np.ndarray, *signals: np.ndarray) -> tuple[float, np.ndarray, list[np.ndarray]]:
