@@ -76,7 +76,8 @@ def with_error(value: float, error: float) -> str:
     if 0 <= digit < 5 and abs(value) < 1e6:
         return f"{round(value, -digit):.0f} ± {shown:.0f}"
     if digit >= 0 or digit < -9 or -inf < size < -5:
-        return f"{value:.4g} ± {shown:.2g}"
+        places = max(int(size) - digit, 1) + 1 if value else 1  # down to the digit of the error, as in the other forms
+        return f"{value:.{places}g} ± {shown:.2g}"
     return f"{value:.{-digit}f} ± {shown:.{-digit}f}"
 
 

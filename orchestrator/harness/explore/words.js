@@ -20,7 +20,7 @@ function withError(value, error) {
   if (digit >= 0 && digit < 5 && Math.abs(value) < 1e6) {
     return `${(Math.round(value / 10 ** digit) * 10 ** digit).toFixed(0)} ± ${shown.toFixed(0)}`;
   }
-  if (digit >= 0 || digit < -9 || (size > -Infinity && size < -5)) return `${digits(value, 4)} ± ${digits(shown, 2)}`;
+  if (digit >= 0 || digit < -9 || (size > -Infinity && size < -5)) return `${digits(value, value ? Math.max(size - digit, 1) + 1 : 1)} ± ${digits(shown, 2)}`;
   return `${value.toFixed(-digit)} ± ${shown.toFixed(-digit)}`;
 }
 // The unit and factor in which a quantity is shown whose largest number is `size`; its choices come from the one table of units.

@@ -1,5 +1,6 @@
 """The first page of a report: the document, what was simulated, inputs with units, figures beside their limits."""
 
+import random
 import re
 from dataclasses import replace
 from datetime import date
@@ -121,12 +122,22 @@ def test_a_number_in_a_preferred_unit_keeps_its_error():
         (116.009, 0.008, "116.009 ± 0.008"),
         (2.535096, 1.3e-5, "2.53510 ± 0.00002"),
         (8.2e-9, 8e-9, "8.2e-09 ± 8e-09"),
+        (1234567.0, 3.0, "1.2346e+06 ± 1e+02"),
+        (1.23456789e-6, 1e-15, "1.2346e-06 ± 1e-10"),
     ],
 )
 def test_no_error_is_said_to_be_below_something(value, error, text):
     assert with_error(value, error) == text
     number, bound = map(float, text.split(" ± "))
-    assert abs(number - value) + error <= bound + 1e-12 or bound == error
+    assert abs(number - value) + error <= bound * (1 + 1e-9) + 1e-15 or bound == error
+
+
+def test_a_rounded_number_is_never_farther_off_than_its_error_says():
+    chance = random.Random(1)
+    for _ in range(3000):
+        value = 10.0 ** chance.uniform(-14.0, 12.0)
+        number, bound = map(float, with_error(value, value * 10.0 ** chance.uniform(-9.0, 2.0)).split(" ± "))
+        assert abs(number - value) <= bound * (1.0 + 1e-9)
 
 
 def test_units_that_were_misread():
