@@ -114,7 +114,9 @@ def time_series(result: Result) -> list[Figure]:
     for name, angle in list(signals.items()):
         if result.measures.get(name) == "rad" and _wraps(angle):
             del signals[name]
-            signals[name + UNWRAPPED] = np.unwrap(angle)
+            known = np.isfinite(angle)  # behind a gap all would be one
+            signals[name + UNWRAPPED] = np.where(known, angle, np.nan)
+            signals[name + UNWRAPPED][known] = np.unwrap(angle[known])
     constant = [n for n, y in signals.items() if y.size and np.all(y == y[0])]
     names = [n for n in signals if n not in constant]
     shown = names[:SHOWN_SIGNALS]
@@ -167,9 +169,12 @@ def time_series(result: Result) -> list[Figure]:
 
 
 def _wraps(angle: np.ndarray) -> bool:
-    """Whether an angle goes around: it falls or rises by nearly a turn, more than once."""
-    moves = np.abs(np.diff(angle))
-    return int(np.count_nonzero(moves > 0.8 * TURN)) > 1 and float(np.nanmax(moves)) < 1.01 * TURN
+    """Whether an angle goes around: it stays within a turn, and falls or rises by nearly one, more than once.
+
+    One that leaves the turn counts turns itself; if its rows are nearly a turn apart, unwrapping would turn it backwards.
+    """
+    known = angle[np.isfinite(angle)]
+    return int(np.count_nonzero(np.abs(np.diff(known)) > 0.8 * TURN)) > 1 and float(np.ptp(known)) < 1.01 * TURN
 
 
 def _value(name: str, value: float, result: Result) -> str:

@@ -114,3 +114,14 @@ def test_signals_share_an_axis_by_unit_of_measure_and_size():
     assert len(set(axis_of.values())) == 4
     assert "d.mass" not in axis_of
     assert "d.mass = 3" in figure.caption
+
+
+def test_only_an_angle_within_a_turn_is_unwrapped_and_a_gap_stays_a_gap():
+    t = np.arange(60.0)
+    around = np.mod(0.3 * t, 2.0 * np.pi)
+    columns = {"a.around": np.where(t == 30.0, np.nan, around), "b.counted": 0.9 * 2.0 * np.pi * t}
+    (figure,) = time_series(SimpleNamespace(time=t, columns=columns, measures=dict.fromkeys(columns, "rad")))
+    lines = {trace["name"]: np.asarray(trace["y"], dtype=float) for trace in figure.figure["data"]}
+    assert set(lines) == {"a.around, unwrapped", "b.counted"}  # unwrapped, the second would turn backwards
+    assert np.flatnonzero(np.isnan(lines["a.around, unwrapped"])).tolist() == [30]
+    assert np.nanmax(lines["a.around, unwrapped"]) / np.nanmin(lines["a.around, unwrapped"][1:]) == pytest.approx(59.0, rel=1e-4)
