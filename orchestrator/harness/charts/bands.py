@@ -21,10 +21,11 @@ Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def band(x: np.ndarray, y: np.ndarray, pieces: int) -> Rows:
-    """(x, least, largest) of the pieces of a history, x rising; NaN and NaN beside a piece with a gap.
+    """(x, least, largest) of the pieces of a history, x rising; NaN and NaN beside a piece with a gap, which an infinite value is, too.
 
     Neighbouring pieces share a sample, so that nothing of the line is between them. A history of few samples is its own band.
     """
+    y = np.where(np.isfinite(y), y, np.nan)
     if x.size <= 2 * pieces:
         return x, y, y
     edges = np.linspace(0, x.size - 1, pieces + 1).astype(int)

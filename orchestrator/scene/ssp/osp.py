@@ -124,6 +124,7 @@ class Structure:
         )
 
     def _initial_values(self, node: etree._Element, name: str, variables: list[str]) -> Iterator[Assignment]:
+        given = set[str]()
         for child in node.iterfind("{*}InitialValues/{*}InitialValue"):
             variable, where = required(child, "variable", self.where), self._at(child)
             values = [c for c in child if _kind(c) in VALUES and c.get("value") is not None]
@@ -131,6 +132,9 @@ class Structure:
                 raise BadInput(where, f"no value of {variable!r}", f"one of {', '.join(VALUES)}, with value")
             if variable not in variables:
                 raise BadInput(where, f"variable {variable!r}", f"a variable of {name!r}", nearest(variable, variables))
+            if variable in given:
+                raise BadInput(where, f"a second initial value of {variable!r}", "one of each variable")
+            given.add(variable)
             value = Value(_kind(values[0]), plain(_kind(values[0]), values[0].get("value", ""), where))
             yield Assignment(variable, value, Transformation(), False, where)
 

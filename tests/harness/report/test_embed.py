@@ -81,9 +81,9 @@ def test_a_band_holds_every_sample_and_stays_broken_where_the_line_is():
     """Of each piece the least and the largest value; the piece of a gap ends the outline, of which a short history is its own."""
     x, y = np.arange(20_000.0), np.sin(np.linspace(0.0, 600.0, 20_000))
     y[5000:9000] = np.nan
-    y[12_345], y[12_346] = 7.0, np.nan
+    y[12_345], y[12_346] = 7.0, np.inf
     at, least, largest = band(x, y, 500)
-    for k in np.flatnonzero(~np.isnan(y)):
+    for k in np.flatnonzero(np.isfinite(y)):
         piece = np.flatnonzero((np.abs(at - x[k]) <= 40.0) & ~np.isnan(least))
         assert least[piece].min() <= y[k] <= largest[piece].max()
     assert (at[0], at[-1], np.nanmax(largest)) == (0.0, 19_999.0, 7.0)

@@ -126,6 +126,7 @@ REFUSED = {
     "a second simulator": ((A + simulator("a"),), "a second 'a'"),
     "no such variable": ((simulator("a", "w=Real:1"),), "variable 'w'"),
     "no number": ((simulator("a", "u=Real:one"),), "'one'"),
+    "two initial values": ((simulator("a", "u=Real:1 u=Real:2"),), "a second initial value of 'u'"),
     "a value without type": ((simulator("a", "u=Duck:1"),), "no value of 'u'"),
     "two inputs": ((A, variables("a.u", "b.u")), "both take a value"),
     "no such simulator": ((A, variables("a.y", "c.u")), "element 'c'"),
