@@ -65,7 +65,12 @@ def nearest(name: str, names) -> str:
 def decimal_point(text: object) -> str:
     """The remedy for a number with a decimal comma; "" for a text that has none."""
     match = DECIMAL_COMMA.search(text) if isinstance(text, str) else None
-    return f"Write {match[0].replace(',', '.')}, with a decimal point." if match else ""
+    if match is None:
+        return ""
+    whole, point = match[0].replace(",", ""), match[0].replace(",", ".")
+    if re.fullmatch(r"[-+]?[1-9]\d{0,2},\d{3}", match[0]):  # a comma of thousands, or of decimals: a factor of 1000
+        return f"Write {point}, with a decimal point, or {whole}, without a sign for thousands."
+    return f"Write {point}, with a decimal point."
 
 
 def syntax_remedy(text: str, error: ValueError) -> str:

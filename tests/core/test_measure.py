@@ -1,7 +1,7 @@
 """Units of measure: exponents, factors, conversions, messages."""
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo.components.core.errors import BadInput, decimal_point
 from cosimo.components.core.measure import BASES, conversion, parse
 
 
@@ -50,3 +50,16 @@ def test_different_quantities_are_refused(source, target):
 def test_bad_units_are_refused(text):
     with pytest.raises(BadInput):
         parse(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [
+        ("48,5", "Write 48.5, with a decimal point."),
+        ("-0,250 m", "Write -0.250, with a decimal point."),
+        ("1,000 m", "Write 1.000, with a decimal point, or 1000, without a sign for thousands."),
+        ("1,000.5", ""),
+    ],
+)
+def test_a_comma_that_may_be_of_thousands_is_told_as_both(text, remedy):
+    assert decimal_point(text) == remedy
