@@ -23,6 +23,7 @@ from ...components.core.errors import BadInput
 from ...components.core.store import digest_of, kept, replaced
 from ...fmus.native.build import compiler, compiler_environment, compiler_version, own_target
 from ...fmus.native.machine_code import TARGETS
+from ...fmus.versions import version
 from ..loading import check_archive
 from .description import DESCRIPTION, Description
 
@@ -58,13 +59,15 @@ def with_library(description: Description, where: str) -> str:
         check_archive(file, path)
         names = file.namelist()
         folders = {
-            PurePosixPath(n.replace("\\", "/")).parts[1]
-            for n in names
-            if n.replace("\\", "/").count("/") > 1 and n[:8] == "binaries"
+            parts[1]
+            for parts in (PurePosixPath(n.replace("\\", "/")).parts for n in names)
+            if len(parts) > 2 and parts[0] == "binaries"
         }
         if folders & {own, kind.also2, kind.folder2, kind.folder3}:
             return path
         sources = _sources_of(file, names, description, where)
+        if absent := [name for name in sources.files if str(PurePosixPath(SOURCES + name)) not in names]:
+            raise BadInput(where, f"{path} without its source file {absent[0]!r}", "all that it lists", "Ask its maker for them.")
     if not sources.files:
         has = f"libraries for {', '.join(sorted(folders))} alone" if folders else "no library"
         raise BadInput(where, f"{path} with {has}", f"a library for {own}, or sources in C", "Ask its maker for one.")
@@ -75,8 +78,8 @@ def with_library(description: Description, where: str) -> str:
             where, f"{path}: no library for {own}, and no compiler for its sources", error.expected, error.remedy
         ) from None
     content = Path(path).read_bytes()
-    digest = digest_of(content, compiler_version(target), repr(FLAGS))
-    place = f"binaries/{own}/{identifier}{kind.suffix}"
+    place = f"binaries/{own}/{identifier}{kind.suffix}"  # a cache may be shared by machines whose compilers tell the same of themselves
+    digest = digest_of(content, compiler_version(target), repr((FLAGS, kind.flags, place)), version("fmpy"))
 
     def make(result: Path) -> Path:
         with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:

@@ -42,6 +42,7 @@ def pack(tmp_path):
         with zipfile.ZipFile(path, "w") as file:
             file.writestr("modelDescription.xml", text)
             file.writestr("binaries/win64/bouncing_ball.dll", b"MZ")
+            file.writestr("binaries//", b"")
             for name in FILES:
                 source = (SOURCES / name.format(fmi)).read_text(encoding="utf-8")
                 file.writestr(f"sources/{name.format(fmi)}", (PREFIX if fmi == 2 else "") + source)
@@ -67,6 +68,7 @@ def test_sources_are_compiled_once_and_run(pack, fmi, monkeypatch):
 REFUSED = {
     "Windows alone": ([], {}, "libraries for win64 alone"),
     "C++": (["ball.cpp"], {}, "source file 'ball.cpp'"),
+    "a file that is not there": (["absent.c"], {}, "without its source file 'absent.c'"),
     "outside": (["../fmi3.c"], {}, "source file '../fmi3.c'"),
     "a library": (None, {"more": '<Library name="lapack"/>'}, "want the library 'lapack'"),
 }
