@@ -217,10 +217,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         mean = number_in(given.mean, "m/s", "--mean") if given.mean.strip()[-1:].isalpha() else float(given.mean)
         levers = [float(text) for text in given.levers.split(",")]
-        if not (mean > 0.0 and given.shape > 0.5 and min(levers) > 0.0):
+        if not (0.0 < mean < math.inf and 0.5 < given.shape < math.inf and all(0.0 < lever < math.inf for lever in levers)):
             raise ValueError
         scene = load_scene(given.scene).with_changes(dict(map(_change, given.set)))
         site = site_of(scene, mean, given.shape)
+        for lever in levers:
+            AveragedConverter.variables["lever_mass"].checked(lever, "--levers")
         ensure_directory(given.output)
     except (BadInput, ValueError) as error:
         why = error if isinstance(error, BadInput) else "mean wind, shape (above 0.5) and levers are positive numbers"
@@ -250,7 +252,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     header = ("lever_mass", "gear_ratio", "water", "over_fixed", "wins_from", "wins_to")
     print(f"wrote {write_table(given.output, 'sizing.csv', header, [('kg', '1', 'm3', '1', '1', '1'), *rows])}")
     best = max(rows, key=lambda row: row[2])
-    print(f"next: --set converter.lever_mass={best[0]:g} --set converter.gear_ratio={best[1]:.4g}")
+    unit = next(name for name, cls in scene.component_classes.items() if issubclass(cls, AveragedConverter))
+    print(f"next: --set {unit}.lever_mass={best[0]:g} --set {unit}.gear_ratio={best[1]:.4g}")
 
 
 if __name__ == "__main__":

@@ -50,7 +50,14 @@ def test_what_cannot_be_sized_is_refused(changes, message):
         site_of(SCENE.with_changes(changes), 4.0)
 
 
-@pytest.mark.parametrize("arguments", [["--mean", "x"], ["--mean", "0"], ["--mean", "4", "--levers", "a"], ["--mean", "0.2"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(["--mean", mean] for mean in ("x", "0", "1e400", "0.2")),
+        *(["--mean", "4", "--levers", levers] for levers in ("a", "10,nan", "10,inf", "1e-12")),
+        ["--mean", "4", "--shape", "inf"],
+    ],
+)
 def test_a_site_without_sense_is_one_message(arguments, tmp_path, capsys):
     with pytest.raises(SystemExit) as end:
         main(["wind-pump-record", *arguments, "-o", str(tmp_path)])
