@@ -60,14 +60,14 @@ class OtherMasters:
     def __init__(self, scene: Scene):
         self._scene = recording(scene)
         self._quantities = quantities_of(scene)
-        own = run(self._scene, in_process=True)
+        own = run(self._scene, in_process=True).unless_stopped()
         if own.outcome != "done":
             raise BadInput(scene.name, own.message, "a scene that runs to its end", "--force packs it all the same.")
         self._own = TimeHistory(own.time, own.columns)
 
     def compare(self, step: float | None = None) -> MasterComparison:
         """With held inputs at a macro step, s; by default the scene's own."""
-        other = run(as_other_masters(self._scene, step), in_process=True)
+        other = run(as_other_masters(self._scene, step), in_process=True).unless_stopped()
         there = TimeHistory(other.time, other.columns)
         rows = tuple(
             SharedQuantity(q, _shown(q, self._own), _shown(q, there), q.error(there, self._own)) for q in self._quantities

@@ -247,7 +247,7 @@ def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress:
         if isinstance(one, str | Path) and Path(one).is_dir():
             one = read_result(one)
         if not isinstance(one, Result):
-            one = run(one, in_process=True, verify=verify, progress=progress)
+            one = run(one, in_process=True, verify=verify, progress=progress).unless_stopped()
         names.append(one.directory.name if one.directory is not None else one.scene.name)
         results.append(one)
     return compared(results, names)

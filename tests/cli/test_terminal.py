@@ -111,9 +111,10 @@ def test_a_fault_in_a_kernel_is_one_message_and_leaves_nothing(tmp_path, capsys,
 
 @pytest.mark.full
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_an_interrupt_is_answered_before_a_run_starts(tmp_path):
+@pytest.mark.parametrize("after", [1.0, 1.6, 2.2])
+def test_an_interrupt_is_answered_before_a_run_starts_and_in_runs_of_a_study(after, tmp_path):
     process = started("validate", "en50318-2002", "--in-process", "-o", str(tmp_path / "out"))
-    time.sleep(1.0)
+    time.sleep(after)
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 130
     assert "stopped by SIGINT" in process.stderr.read()

@@ -98,7 +98,7 @@ def content_of(
     table = scene.explore
     scene = scene.with_changes({"record.interval": None})
     say("running the scene once")
-    result = run(scene, in_process=True)
+    result = run(scene, in_process=True).unless_stopped()
     machines = list(moves(result)) if result.time.size > 1 else []
     arrays = {name: result.snapshots[name].values.shape[1] for m in machines for name in m.snapshots.values()}
     elements = [f"{name}[{k}]" for name, size in arrays.items() for k in range(1, size + 1)]

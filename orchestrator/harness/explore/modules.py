@@ -65,7 +65,7 @@ def without(scene: Scene, effects: Sequence[str]) -> dict[str, Any]:
 def _runs_without(scene: Scene, name: str, say: Callable[[str], None]) -> bool:
     say(f"running the scene without {name}")
     try:
-        return run(scene.with_changes(without(scene, [name])), in_process=True).outcome == "done"
+        return run(scene.with_changes(without(scene, [name])), in_process=True).unless_stopped().outcome == "done"
     except BadInput:
         return False
 

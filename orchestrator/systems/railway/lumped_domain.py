@@ -133,7 +133,7 @@ def _equal_spans(line: Catenary, name: str) -> None:
 
 
 def _done(scene: Scene) -> Result:
-    result = run(scene, in_process=True)
+    result = run(scene, in_process=True).unless_stopped()
     if result.outcome != "done":
         raise BadInput(scene.name, f"a run with the outcome {result.outcome}: {result.message}", "runs that reach their end")
     return result

@@ -8,6 +8,7 @@ from typing import Any
 
 from ....harness.analysis.signals import ButterworthFilter
 from ....harness.validation import Evidence, Runs
+from ....harness.validation.questions import done
 from ....harness.validation.reference import Table, compare, load_table
 from ....opened.compile_ahead import compile_ahead, wanted_by
 from ....run.run import run
@@ -95,7 +96,7 @@ def _parameter(scene: Scene, name: str) -> float:
 
 def _variant(changes: dict[str, Any], speed: float) -> dict[str, float]:
     scene = at_speed(load_scene("en50318-2002"), speed, WITHOUT_PICTURES | changes)
-    return numbers(run(with_stable_substep(scene), in_process=True))
+    return numbers(done(run(with_stable_substep(scene), in_process=True)))
 
 
 def _inside(table: Table, of_speed: dict[float, dict[str, float]]) -> str:
