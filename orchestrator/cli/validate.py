@@ -46,7 +46,7 @@ def validate(
     """Run cases and compare them with their tables. Example: cosimo validate en50318-2018-ac-simple -o out
 
     Exit code 1 where a row is outside of its range; a range that is only quoted from memory decides nothing without --strict.
-    Each number has its numerical error (±); where an end of the range lies within the error, the row is undecided.
+    Each number has its numerical error (±); a row inside is undecided where an end of its range lies within the error.
     """
     from ..harness.validation.case import to_json
     from ..systems import validate as validate_cases

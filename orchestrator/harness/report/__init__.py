@@ -34,7 +34,7 @@ FIRST_NUMBERS = 4  # where the system does not say which of them a run is judged
 PROVENANCE = (
     "Provenance of each range: verbatim = copied from a public source; computed = from a closed form or an independent solver; "
     "inferred = derived from other published values; unconfirmed = quoted from memory, not checked against the source (hatched).",
-    "± is the estimated numerical error: twice the change when all steps are halved. A row is undecided if an end of its range lies "
+    "± is the estimated numerical error: twice the change when all steps are halved. A row inside is undecided if an end of its range lies "
     "within ±, or within two standard deviations of its parameter error. A number without ± did not change with halved steps, or "
     "its run was not repeated, as the row says.",
 )
