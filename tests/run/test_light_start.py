@@ -105,3 +105,18 @@ print(json.dumps([m for m in {heavy!r} if m in sys.modules]))
 def test_components_are_laid_out_without_the_compiler():
     """What their shapes ask of kernels, and of those that these call, is computed in Python."""
     assert second_start(("numba",), program=OF_COMPONENTS) == []
+
+
+OF_SUMMARIES = """
+import json, sys
+from cosimo.orchestrator.systems import SYSTEMS
+for system in SYSTEMS.values():
+    system.summary
+print(json.dumps([m for m in {heavy!r} if m in sys.modules]))
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+def test_summaries_are_made_without_the_compiler_and_plotly():
+    """The command `run` makes one of every run."""
+    assert second_start(("numba", "plotly", "jinja2", "pandas"), program=OF_SUMMARIES) == []

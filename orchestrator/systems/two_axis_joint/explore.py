@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def figures(result: Result) -> tuple[LiveFigure, ...]:
     """Of every joint that is one unit and whose angles and rates were recorded, as in the summary."""
     of_joints = [f for joint in joints(result) if joint.unit in result.scene.units for f in _figures(result, joint)]
-    return tuple(of_joints + walkers.live_figures(result))
+    return tuple(of_joints + _steps(result))
 
 
 def _figures(result: Result, joint: JointRecord) -> list[LiveFigure]:
@@ -31,3 +31,13 @@ def _figures(result: Result, joint: JointRecord) -> list[LiveFigure]:
         text = "largest change of the energy over its size"
         rows.append(LiveFigure(f"{joint.unit}.energy_change", text, "1", (energy,), "largest drift"))
     return rows
+
+
+def _steps(result: Result) -> list[LiveFigure]:
+    """Of every walker: its last step, as in the summary."""
+    return [
+        LiveFigure(f"{u.name}.{n}", text, unit, (f"{u.name}.{n}",), "end")
+        for u in walkers.walkers(result)
+        for n, unit, text in walkers.STEP
+        if u.has(n)
+    ]

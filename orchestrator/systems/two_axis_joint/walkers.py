@@ -10,7 +10,6 @@ from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.charts.blocks import Moving
 from ...harness.charts.chart import Chart, Panel, Series
 from ...harness.charts.motion import Kinematics, Picture, Values, polyline
-from ...harness.explore.figures import LiveFigure
 from ...harness.summary import SummaryRow
 
 if TYPE_CHECKING:
@@ -36,16 +35,6 @@ def rows(result: Result) -> list[SummaryRow]:
             numbers.append(SummaryRow(f"{u.name}.steps", float(u["steps"][-1]), "1", "steps"))
         numbers += [SummaryRow(f"{u.name}.{n}", float(u[n][-1]), unit, text) for n, unit, text in STEP if u.has(n)]
     return numbers
-
-
-def live_figures(result: Result) -> list[LiveFigure]:
-    """The same, on a page."""
-    return [
-        LiveFigure(f"{u.name}.{n}", text, unit, (f"{u.name}.{n}",), "end")
-        for u in walkers(result)
-        for n, unit, text in STEP
-        if u.has(n)
-    ]
 
 
 def chart(result: Result, begin: float) -> Chart | None:
