@@ -22,6 +22,7 @@ INDEXED_SOURCES = 4096  # in the file of a `SourceIndex`; the oldest go
 SETTLED = 2_000_000_000  # ns after a change from which on another one has another time
 
 Imports = tuple[tuple[int, str, tuple[str, ...]], ...]
+Source = tuple[str, list[str], list[str]]  # digest, files that are imported by their place, modules by their full names
 
 
 @lru_cache(maxsize=1024)
@@ -46,30 +47,49 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
             yield from _statements(getattr(node, field, ()))
 
 
-def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None) -> dict[Path, str]:
+def closure(
+    file: Path, absolute: Callable[[str], Path | None] = lambda name: None, seen: dict[str, Source] | None = None
+) -> dict[Path, str]:
     """The file and all that it imports: digests of the contents by path.
 
-    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it.
+    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it. `seen` is
+    what former calls have found of files; given, these are not looked at again.
     """
     digests: dict[str, str] = {}
-    pending, index = [str(file)], sources()
+    pending, index, seen = [str(file)], sources(), {} if seen is None else seen
     while pending:
         path = pending.pop()
         if path in digests:
             continue
-        digests[path], statements = index.read(path)
-        for level, module, names in statements:
-            if level:
-                base = path
-                for _ in range(level):
-                    base = os.path.dirname(base)
-                base = os.path.join(base, *filter(None, module.split(".")))
-                wanted = [base, *(os.path.join(base, name) for name in names)]
-                pending += [there for place in wanted if (there := module_file(place)) is not None]
-            else:
-                pending += [str(f) for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
+        if path not in seen:
+            digest, statements = index.read(path)
+            seen[path] = (
+                digest,
+                _beside(path, statements),
+                [n for level, *whole in statements if not level for n in _full(*whole)],
+            )
+        digests[path], beside, names = seen[path]
+        pending += [*beside, *(str(there) for name in names if (there := absolute(name)) is not None)]
     index.save()
     return {Path(path): digest for path, digest in digests.items()}
+
+
+def _beside(path: str, statements: Imports) -> list[str]:
+    """The files of what a source imports by its own place."""
+    files = list[str]()
+    for level, module, names in statements:
+        base = path
+        for _ in range(level):
+            base = os.path.dirname(base)
+        base = os.path.join(base, *filter(None, module.split(".")))
+        wanted = [base, *(os.path.join(base, name) for name in names)] if level else []
+        files += [there for place in wanted if (there := module_file(place)) is not None]
+    return files
+
+
+def _full(module: str, names: tuple[str, ...]) -> list[str]:
+    """The modules that an import by its full name may mean."""
+    return [module, *(f"{module}.{name}" for name in names)]
 
 
 def module_file(place: str) -> str | None:

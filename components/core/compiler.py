@@ -11,9 +11,6 @@ Kernels that neither make arrays nor give any back count no references to them, 
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from numba.core import ir, types
@@ -29,6 +26,7 @@ from numba.core.typed_passes import NopythonTypeInference
 from numba.core.untyped_passes import IRProcessing
 from numba.extending import typeof_impl
 
+from .garbage import seldom_collected
 from .kept_kernels import Either
 from .kernel_faults import typing_fault
 from .kernel_library import ADDRESS, KERNELS, PYTHON, kernel_libraries
@@ -101,18 +99,6 @@ class KernelCompiler(CompilerBase):
         passes.add_pass_after(CountedResult, NopythonTypeInference)
         passes.finalize()
         return [passes]
-
-
-@contextmanager
-def seldom_collected() -> Iterator[None]:
-    """Python looks for garbage seldom: the compiler makes millions of objects, few of them garbage. A tenth of what it takes."""
-    before = gc.get_threshold()
-    if before[0]:  # 0: Python looks for none
-        gc.set_threshold(max(before[0], 50_000), 20, 50)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 class KernelDispatcher(CPUDispatcher):

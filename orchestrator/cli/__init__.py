@@ -15,6 +15,7 @@ from collections.abc import Sequence
 
 from ...components.core.errors import BadInput
 from ...components.core.files import refuse_pipe
+from ...components.core.garbage import seldom_collected
 from ..cache import tidy_daily
 from ..output import FULL, NoSpace
 from .application import app
@@ -28,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
     sys.path.append(os.getcwd())  # module:Class on the command line
-    with shown_output():
+    with seldom_collected(), shown_output():
         _run(sys.argv[1:] if arguments is None else arguments)
 
 
