@@ -1,14 +1,14 @@
 """A vehicle of a reader's own: masses and matrices from a file in the form of the trade, and a scene that holds it in place.
 
     title = "my vehicle"
-    axes = "forward-starboard-down"            # or "forward-port-up", as simulators of robots and panel programs have them
+    axes = "forward-starboard-down"            # or "forward-port-up", as simulators of robots have them
     signs = "matrices"                         # or "derivatives", X_u and the like, which are negative
     mass = 13.5                                # kg; all numbers in SI units, about the origin of the axes
     inertia = [0.26, 0.23, 0.37]
     centre_of_gravity = [0.0, 0.0, 0.0]
     centre_of_buoyancy = [0.0, 0.0, -0.01]
     buoyancy = 131.6
-    added_mass = "hull.1"                      # six numbers, six rows of six, or a file of WAMIT's added mass
+    added_mass = "hull.1"                      # six numbers, six rows of six, or a file of WAMIT's added mass: forward, port, up
     linear_damping = [13.7, 0.0, 33.0, 0.0, 0.8, 0.0]
     quadratic_damping = [[141.0, ...], ...]
     thrusters = [{ position = [0.156, 0.111, 0.085], direction = [1.0, -1.0, 0.0] }, ...]      # one to eight
@@ -67,7 +67,7 @@ def array(value: Any, shape: tuple[int, ...], where: str) -> np.ndarray:
 
 
 def wamit(path: Path, density: float, length: float) -> np.ndarray:
-    """Added mass, (6, 6), of the shortest period of a file of WAMIT's; raises `BadInput` with the line."""
+    """Added mass, (6, 6), of the shortest period of a file of WAMIT's, in its axes; raises `BadInput` with the line."""
     rows: dict[float, np.ndarray] = {}
     for line, text in enumerate(read_bytes(path, "added_mass").decode("latin-1").splitlines(), 1):
         cells = text.split()
@@ -80,11 +80,19 @@ def wamit(path: Path, density: float, length: float) -> np.ndarray:
                 raise BadInput(f"{path}, line {line}", repr(text[:60]), "period, i, j from 1 to 6, added mass") from None
             continue
         if period >= 0.0:  # below 0: the infinite one
-            rows.setdefault(period, np.zeros((6, 6)))[i - 1, j - 1] = value
+            matrix = rows.setdefault(period, np.full((6, 6), np.nan))
+            if np.isfinite(matrix[i - 1, j - 1]) and matrix[i - 1, j - 1] != value:
+                raise BadInput(f"{path}, line {line}", f"a second row {i} {j} of the period {period:g}", "one row of each")
+            matrix[i - 1, j - 1] = value
     if not rows:
         raise BadInput(str(path), "no row of a finite period", "rows of period, i, j, added mass")
+    shortest = rows[min(rows)]
+    if missing := [
+        f"{k} {k}" for k in range(1, 7) if np.isnan(shortest[k - 1, k - 1])
+    ]:  # off the diagonal WAMIT leaves zeros out
+        raise BadInput(str(path), f"no row {', '.join(missing)} of the period {min(rows):g}", "all six modes")
     power = 3.0 + (np.arange(6) > 2)[:, None] + (np.arange(6) > 2)[None, :]
-    return rows[min(rows)] * density * length**power
+    return np.nan_to_num(shortest) * density * length**power
 
 
 def read_vehicle(path: Path) -> dict[str, Any]:
@@ -111,7 +119,8 @@ def read_vehicle(path: Path) -> dict[str, Any]:
     for key in MATRICES:
         given, where = data.get(key), f"{path}: {key}"
         if key == "added_mass" and isinstance(given, str):
-            vehicle[key] = wamit(path.parent / given, vehicle["density"], vehicle["length"]) * np.outer(flip, flip)
+            up = FLIPS["forward-port-up"]  # z of a panel program points up from the water, whatever axes the rest has
+            vehicle[key] = wamit(path.parent / given, vehicle["density"], vehicle["length"]) * np.outer(up, up)
         elif given is not None:
             square = isinstance(given, list) and bool(given) and isinstance(given[0], list)
             matrix = array(given, (6, 6), where) if square else np.diag(array(given, (6,), where))

@@ -70,21 +70,37 @@ def test_other_axes_and_signs_are_the_same_vehicle(tmp_path):
 
 
 def test_added_mass_of_a_panel_program(tmp_path):
-    """Nondimensional rows, the shortest period; the infinite one (below 0) is that of the surface."""
-    scale = 1025.0 * 2.0 ** (3.0 + (np.arange(6) > 2)[:, None] + (np.arange(6) > 2)[None, :])
+    """A sphere beside the origin, m = 2/3 pi rho a^3 by its energy, in the program's axes; the infinite period (below 0) does not count."""
+    density, length, radius, place = 1025.0, 2.0, 0.3, np.array([0.1, 0.05, 0.2])
+    x, y, z = place
+
+    def sphere(x, y, z):
+        velocity = np.hstack([np.eye(3), [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]])  # of its centre, v + omega x r
+        return 2.0 / 3.0 * np.pi * density * radius**3 * velocity.T @ velocity + 0.01 * np.diag([0, 0, 0, 1, 1, 1])
+
+    scale = density * length ** (3.0 + (np.arange(6) > 2)[:, None] + (np.arange(6) > 2)[None, :])
     rows = [(-1.0, 9.0)] + [(period, factor) for period, factor in ((4.0, 2.0), (0.0, 1.0))]
+    written_up = sphere(x, y, z) / scale
     lines = [
-        f"{period:.4E} {i + 1} {j + 1} {factor * (ADDED / scale)[i, j]:.12E}"
+        f"{period:.4E} {i + 1} {j + 1} {factor * written_up[i, j]:.12E}"
         for period, factor in rows
         for i in range(6)
         for j in range(6)
+        if written_up[i, j]
     ]
     (tmp_path / "hull.1").write_text(" title\n" + "\n".join(lines))
-    own = read_vehicle(written(tmp_path, added_mass="hull.1", density=1025.0, length=2.0))
-    np.testing.assert_allclose(own["added_mass"], ADDED, rtol=1e-10)
-    (tmp_path / "hull.1").write_text("\n".join([*lines, "0.0 7 1 0.3"]))
-    with pytest.raises(BadInput, match="line 109"):
-        read_vehicle(written(tmp_path, added_mass="hull.1"))
+    for axes in FLIPS:  # those of the rest of the file
+        own = read_vehicle(written(tmp_path, added_mass="hull.1", density=density, length=length, axes=axes))
+        np.testing.assert_allclose(own["added_mass"], sphere(x, -y, -z), rtol=1e-10)
+    for line, words in (
+        ("0.0 7 1 0.3", f"line {len(lines) + 1}"),
+        ("0.0 1 1 0.3", "a second row 1 1 of the period 0"),
+        ("-1.0 1 1 0.3", "no row 4 4 of the period 0"),
+    ):
+        kept = [text for text in lines if words[:2] != "no" or not text.startswith(f"{0:.4E} 4 4")]
+        (tmp_path / "hull.1").write_text("\n".join([*kept, line]))
+        with pytest.raises(BadInput, match=words):
+            read_vehicle(written(tmp_path, added_mass="hull.1"))
 
 
 @pytest.mark.parametrize("sensors", [False, True])
