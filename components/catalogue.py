@@ -70,7 +70,7 @@ def component_class(name: str, where: str = "component") -> type[Component]:
         return KNOWN[name]
     module, own, class_name = name.partition(":")
     if not own:
-        pick(name, CATALOGUE, where, "a component of the catalogue, or module:Class", "component")
+        pick(name, CATALOGUE, where, "a component (cosimo list components), or module:Class", "component")
         module, class_name = f"{__package__}.{CATALOGUE[name]}", name
     try:
         loaded = importlib.import_module(module)

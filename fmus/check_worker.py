@@ -208,7 +208,7 @@ def two_instances(path: str, folder: str) -> tuple[bool, str]:
 def other_bundle(path: str, folder: str) -> tuple[bool, str]:
     """An FMU of the same component with other code, loaded first, runs its own code, and this one its own."""
     if not _bundles(path):
-        return True, NOT_OFFERED + ": made by another tool"
+        return True, f"{NOT_OFFERED}: {_without_python(path)}"
     with tempfile.TemporaryDirectory() as directory:
         changed = changed_copy(Path(path), Path(directory))
         place = os.environ.get("COSIMO_CACHE")
@@ -227,13 +227,18 @@ def other_bundle(path: str, folder: str) -> tuple[bool, str]:
 def host_packages(path: str, folder: str) -> tuple[bool, str]:
     """A host that has imported packages called `components` and `slave` of its own does not change the answers."""
     if not _bundles(path):
-        return True, NOT_OFFERED + ": made by another tool"
+        return True, f"{NOT_OFFERED}: {_without_python(path)}"
     for name in ("components", "components.core", "components.catalogue", "slave", "interface", "fmus"):
         sys.modules[name] = types.ModuleType(name)
     unit = Instance(path, folder, "unit")
     rows = unit.run()
     unit.free()
     return bool(np.isfinite(rows).all()), f"{rows.size} finite numbers beside a host's own packages"
+
+
+def _without_python(path: str) -> str:
+    own = (read_model_description(path, validate=False).generationTool or "").startswith("cosimo ")
+    return "it holds no code in Python" if own else "made by another tool"
 
 
 def _bundles(path: str) -> list[str]:

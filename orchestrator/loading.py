@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import PurePosixPath
 from typing import Any
 from zipfile import ZipFile
 
@@ -58,6 +59,9 @@ def check_archive(archive: ZipFile, where: str) -> int:
     """Bytes that an archive unpacks to, by its directory; `BadInput` for one that is made to fill disk or memory."""
     members = archive.infolist()
     size, packed = sum(m.file_size for m in members), sum(m.compress_size for m in members)
+    folders = {str(parent) for m in members for parent in PurePosixPath(m.filename + "x" * m.is_dir()).parents}
+    if both := [m.filename for m in members if not m.is_dir() and str(PurePosixPath(m.filename)) in folders]:
+        raise BadInput(where, f"an archive in which {both[0]!r} is a file and a folder", "one of the two")
     if len(members) > MOST_MEMBERS:
         raise BadInput(where, f"an archive of {len(members)} files", f"at most {MOST_MEMBERS}")
     if size > MOST_UNPACKED:

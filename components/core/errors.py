@@ -49,8 +49,13 @@ def visible_in_page(page: str) -> str:
     return UNSEEN.sub(lambda match: f"\u27e8{ord(match[0]):04X}\u27e9", page)
 
 
+def counted(count: int, what: str) -> str:
+    """A number of things in words: "1 support", "2 supports"."""
+    return f"{count} {what}" + ("" if count == 1 else "s")
+
+
 def nearest(name: str, names) -> str:
-    """The part of a message that helps with a misspelt name: the near ones, or all of a short list."""
+    """The part of a message that helps with a misspelt name: the near ones, or all of a short list, or a few of a long one."""
     from difflib import SequenceMatcher, get_close_matches
 
     names = list(dict.fromkeys(names))
@@ -59,7 +64,9 @@ def nearest(name: str, names) -> str:
     near = [other for other, ratio in zip(near, likeness, strict=True) if ratio > likeness[0] - 0.1]
     if near:
         return "Did you mean " + " or ".join(repr(n) for n in near) + "?"
-    return "There is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
+    if len(names) > 12:
+        return f"The nearest of {len(names)} names are " + ", ".join(get_close_matches(name, names, n=3, cutoff=0.0))
+    return "There is " + (", ".join(names) or "none")
 
 
 def decimal_point(text: object) -> str:
@@ -86,4 +93,7 @@ def pick(name, known, where: str, expected: str, what: str = ""):
     """
     if name in known:
         return known[name] if hasattr(known, "keys") else name
-    raise BadInput(where, f"{what} {name!r}".strip(), expected, nearest(str(name), known))
+    remedy = nearest(str(name), known)
+    if remedy.startswith("There is") and all(str(each) in expected for each in known):
+        remedy = ""  # they stand there already
+    raise BadInput(where, f"{what} {name!r}".strip(), expected, remedy)

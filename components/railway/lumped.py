@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.contract import Refusal
-from ..core.errors import BadInput
+from ..core.errors import BadInput, counted
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import step_within
@@ -195,7 +195,9 @@ def fit_span(line, force: float, span: int | None = None, harmonics: int = HARMO
     spans = supports.size - 1
     number = spans // 2 + 1 if span is None else span
     if spans < 3:
-        raise BadInput(line.name, f"a line of {spans} spans", "at least three: the ends of a line are fixed", "Add spans.")
+        raise BadInput(
+            line.name, f"a line of {counted(spans, 'span')}", "at least three: the ends of a line are fixed", "Add spans."
+        )
     if not 1 < number < spans:
         raise BadInput(f"{line.name}: span", str(number), f"2 to {spans - 1}: the first and the last one end at a fixed point")
     if not (math.isfinite(force) and force > 0.0):

@@ -39,10 +39,17 @@ class Question:
     several: bool = False  # numbers or names, separated by commas where they have units, else by blanks
 
 
+def refuse_name(name: str, where: str = "file") -> None:
+    """Raises `BadInput` for the name of a new file that commands would take for an option, or that does not end in .toml."""
+    if name.startswith("-"):
+        raise BadInput(where, repr(name), "a name that no command takes for an option", f"As in ./{name}.")
+    if Path(name).suffix != ".toml":
+        raise BadInput(where, repr(name), "a name that ends with .toml")
+
+
 def new_file(answer: str) -> None:
-    """Refuses the name of a file that is there already, or that does not end in .toml."""
-    if not answer.endswith(".toml"):
-        raise BadInput(PLACE, repr(answer), "a name that ends with .toml")
+    """Refuses the name of a file that is there already, or that `refuse_name` does."""
+    refuse_name(answer, PLACE)
     if Path(answer).exists():
         raise BadInput(PLACE, f"{answer}, which is there already", "a file that does not exist yet")
 

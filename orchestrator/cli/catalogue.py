@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, nearest, pick
+from ...components.core.errors import BadInput, counted, nearest, pick
 from ...components.core.folders import cache_root
 from ...components.core.store import digest_of, read_kept, replaced, write_kept
 from .. import cache as kept
@@ -32,14 +32,17 @@ def list_(
         Argument(
             metavar="[KIND|SYSTEM|WORD]",
             autocompletion=kinds_and_systems,
-            help="A kind (components, fmus, scenes, cases), a system, or a word in names and titles. Default: all names.",
+            help="A kind (components, fmus, scenes, cases, systems), a system, or a word in names and titles. Default: all names.",
         ),
     ] = "",
     as_json: AsJson = False,
 ) -> None:
     """List components, FMUs, scenes and cases. Example: cosimo list scenes; also cosimo list, cosimo list bearings"""
     everything = _everything()
-    if what in everything:
+    what = next((kind for kind in (*everything, "systems") if what.lower() in (kind, kind[:-1])), what)
+    if what == "systems":
+        listed = {what: _systems(everything)}
+    elif what in everything:
         listed = {what: everything[what]}
     else:
         listed = _selected(everything, what) if what else everything
@@ -51,6 +54,15 @@ def list_(
                 print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
     else:
         _print_names(listed)
+
+
+def _systems(listed: dict[str, list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    """The systems, with how many entries of each kind they have."""
+    kinds = {kind: [e["system"] for e in listed[kind]] for kind in ("components", "scenes", "cases")}
+    return [
+        {"name": name, "title": ", ".join(counted(of.count(name), kind[:-1]) for kind, of in kinds.items()), "system": name}
+        for name in dict.fromkeys(name for of in kinds.values() for name in of)
+    ]
 
 
 def _selected(listed: dict[str, list[dict[str, Any]]], word: str) -> dict[str, list[dict[str, Any]]]:

@@ -322,8 +322,12 @@ def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
 
     changes: dict[str, Any] = {}
     classes = scene.component_classes
+    given = set[str]()
     for text in texts:
         unit, equals, preset = (part.strip() for part in text.partition("="))
+        if unit in given:
+            raise BadInput("--preset", f"{unit} twice", "each unit once", "Give what differs from a preset by --set.")
+        given.add(unit)
         if not (equals and preset):
             raise BadInput("--preset", repr(text), "unit=preset", "As in pantograph=DSA380.")
         if unit not in classes:

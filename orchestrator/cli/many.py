@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from ...components.core.errors import visible_lines
+from ...components.core.errors import counted, visible_lines
 from ..output import locked
 from .common import FAILED_CHECK, FAILED_RUN, STOPPED, app, fail, print_table, print_written, scene_of, status_spinner, warn
 from .options import (
@@ -110,7 +110,7 @@ def sweep(
     failed = _failed(results)
     earlier = len(results.outcomes) - results.computed
     kept = f", {earlier} of an earlier call" if earlier else ""
-    print_written(written, f"{len(results.outcomes)} points{kept}, {len(failed)} failed; ")
+    print_written(written, f"{counted(len(results.outcomes), 'point')}{kept}, {len(failed)} failed; ")
     print(verified(results))
     for sentence in failure_groups(results.outcomes)[:20]:
         print(f"cosimo: {visible_lines(sentence)}", file=sys.stderr)
@@ -149,7 +149,7 @@ def sensitivity(
     )
     warn(answer.messages)
     print(verified(answer.sweep))
-    print_written(written, f"{len(answer.sweep.outcomes)} runs; ")
+    print_written(written, f"{counted(len(answer.sweep.outcomes), 'run')}; ")
 
 
 @app.command()
@@ -268,13 +268,12 @@ def stopped_early(results: Sweep) -> None:
     if results.stopped is not None:
         left = results.outcomes.count("not run")
         raise fail(
-            f"stopped by {results.stopped.name}, {left} points were not run; the same command runs them",
-            STOPPED + results.stopped,
+            f"stopped by {results.stopped.name}, points not run: {left}; the same command runs them", STOPPED + results.stopped
         )
 
 
 def _runs(asked: int, computed: int) -> str:
-    return f"{asked} runs{f', {asked - computed} of an earlier call' if asked > computed else ''}; "
+    return f"{counted(asked, 'run')}{f', {asked - computed} of an earlier call' if asked > computed else ''}; "
 
 
 @contextmanager
@@ -284,9 +283,9 @@ def _search() -> Iterator[Callable[[int], None]]:
 
     try:
         with status_spinner() as show:
-            yield lambda n: show(f"{n} runs")
+            yield lambda n: show(counted(n, "run"))
     except Stopped as stopped:
         raise fail(
-            f"stopped by {stopped.signal.name}; {stopped.kept} runs are kept, and the same command goes on with them",
+            f"stopped by {stopped.signal.name}; runs kept: {stopped.kept}; the same command goes on with them",
             STOPPED + stopped.signal,
         ) from None

@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, pick
+from ...components.core.errors import BadInput, counted, pick
+from .asked import refuse_name
 from .common import is_scene, print_written, warn
 from .new import new
 from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, refuse, share
@@ -38,8 +39,7 @@ LINE_NUMBERS = {  # option -> table and key of a section, unit, default
 
 def write_new(file: Path, text: str) -> None:
     """A new file; raises `BadInput` for one that is there already."""
-    if file.suffix != ".toml":
-        raise BadInput("file", repr(str(file)), "a name that ends with .toml")
+    refuse_name(str(file))
     if file.exists():
         raise BadInput("file", f"{file}, which is there already", "a file that does not exist yet", "Give another name.")
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -108,7 +108,8 @@ def line(
         file.unlink()
         raise
     print_written([file])
-    print(f"{form.support.size} supports, {form.layout.droppers.position.size} droppers; next: cosimo show {file}")
+    supports_, droppers_ = counted(form.support.size, "messenger support"), counted(form.layout.droppers.position.size, "dropper")
+    print(f"{supports_} between the anchors, {droppers_}; next: cosimo show {file}")
 
 
 @new.command()
@@ -450,4 +451,4 @@ def table(
         parts += [f'standing = "{MISSING}"  # {row.value:.6g} in one run of {result.scene.name}', ""]
     write_new(file, "\n".join(parts))
     print_written([file])
-    print(f"{len(places)} rows without ranges: fill them in; next: cosimo run {scene} --limits {file}")
+    print(f"{counted(len(places), 'row')} without ranges: fill them in; next: cosimo run {scene} --limits {file}")

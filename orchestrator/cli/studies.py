@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, pick
+from ...components.core.errors import BadInput, counted, pick
 from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
 from .completion import anything, scenes
 from .options import (
@@ -114,9 +114,11 @@ def _print_front(measured: Accuracy) -> None:
     )
     outcomes = [p.outcome for p in measured.points if p.outcome != "done"]
     for outcome in dict.fromkeys(outcomes):
-        print(f"{outcomes.count(outcome)} settings {outcome}")
+        print(f"{counted(outcomes.count(outcome), 'setting')} {outcome}")
     if measured.refused_times:
-        print(f"{measured.refused_times} times refused, as no two measurements agree: the machine is busy, or throttles")
+        print(
+            f"{counted(measured.refused_times, 'time')} refused, as no two measurements agree: the machine is busy, or throttles"
+        )
 
 
 @app.command()
@@ -176,8 +178,8 @@ def _print_effects(result: Effects) -> None:
     if left := [f.name for f in result.findings if f.status == "left out"]:
         print(f"not in the full model: {', '.join(left)}")
     for name, cost in (("all effects", result.full), ("the scene's own effects", result.given), ("smallest set", result.least)):
-        print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
-    print(f"{result.runs} models were run")
+        print(f"{name}: error {percent(cost.error)}, {counted(cost.calls, 'call')}, {cost.seconds:.3g} s")
+    print(f"models that were run: {result.runs}")
 
 
 @app.command()

@@ -17,6 +17,7 @@ LENGTHS = 3  # of blocks: the longest are for slow growth
 LAST = LOOKS * BLOCKS  # looks that are judged at the end, and longer ends up to the whole run, in as many parts as
 PARTS = 4
 OF_WHOLE = 160  # rows of the whole run, and up to twice as many
+FROM_REST = 3  # values behind a start, of which an extrapolation (degree 2 at most) may go through the value before
 
 
 @dataclass(frozen=True)
@@ -89,8 +90,9 @@ class LookRecord:
 
     blocks: of inputs; energies: of bonds, if they are counted.  before: sums of the bonds at the end of the last block.
     last: (m, 2, links), sizes and misses of the last looks; whole: of the whole run the largest of some, the earlier, the more.
-    origin: (links,), inputs at the first look.  count, moments (3, links): of inputs from there their number, and the sums of them, of
-    their squares, and of squared misses.
+    origin: (links,), inputs at the first look.  count, moments (4, links): of inputs from there their number, and the sums of them, of
+    their squares, of squared misses, and how many have left the origin. An input that is switched on jumps from the value at which it
+    stood, and extrapolations through that value miss by the jump, whatever the coupling does: their misses are not counted.
     """
 
     blocks: tuple[Blocks, ...]
@@ -108,7 +110,7 @@ class LookRecord:
         bonds = () if energies is None else tuple(Blocks.of(energies, LOOKS if k else 1) for k in range(LENGTHS))
         none = np.zeros((0, 2, nominal.size))
         blocks = (Blocks.of(nominal, LOOKS),) * LENGTHS
-        return cls(blocks, bonds, before, none, none, None, 0, np.zeros((3, nominal.size)))
+        return cls(blocks, bonds, before, none, none, None, 0, np.zeros((4, nominal.size)))
 
     @classmethod
     def restored(cls, data: Mapping[str, Any]) -> LookRecord:
@@ -158,8 +160,10 @@ class LookRecord:
         origin = inputs[0].copy() if self.origin is None else self.origin
         moved = inputs - origin
         with np.errstate(over="ignore", invalid="ignore"):
-            more = np.stack([moved.sum(axis=0), np.square(moved).sum(axis=0), np.square(looks[:, 1]).sum(axis=0)])
-            moments = self.moments + more
+            left = self.moments[3] + np.cumsum(moved != 0.0, axis=0)
+            missed = np.where(left > FROM_REST, looks[:, 1], 0.0)
+            more = np.stack([moved.sum(axis=0), np.square(moved).sum(axis=0), np.square(missed).sum(axis=0)])
+            moments = np.concatenate((self.moments[:3] + more, left[-1:]))
         last = np.concatenate((self.last, looks))[-LAST:]
         return replace(self, last=last, whole=whole, origin=origin, count=self.count + len(inputs), moments=moments)
 
@@ -193,7 +197,7 @@ class LookRecord:
         if self.count < FEWEST_ROWS or self.origin is None:
             return None
         with np.errstate(over="ignore", invalid="ignore"):
-            mean, square, missed = self.moments / self.count
+            mean, square, missed, _ = self.moments / self.count
             size = np.sqrt(np.maximum(square + 2.0 * mean * self.origin + self.origin**2, 0.0))
             scale = np.maximum(np.sqrt(np.maximum(square - mean**2, 0.0)), HARDLY * size)
             shares = np.sqrt(missed) / np.maximum(scale, NOTHING * self.nominal)

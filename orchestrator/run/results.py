@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, counted, nearest
 from ...components.core.measure import conversion
 from ..output import UNFINISHED, is_locked, locked, not_written
 from ..renamed import OUTPUT
@@ -74,7 +74,7 @@ class Result:
         end = f" to t = {self.end:g} s" if self.rows else ""
         warnings = len(self.info.warnings)
         return (
-            f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
+            f"<Result of {self.scene.name}: {self.outcome}; {counted(self.rows, 'row')}{end}, "
             f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>"
         )
 
@@ -272,6 +272,13 @@ class Result:
         `systems`: those that its [analysis] may name. Raises `BadInput` where there is none.
         """
         path = Path(directory)
+        if path.is_dir() and not any(place.exists() for place in (path / INFO, path / UNFINISHED)):
+            raise BadInput(
+                "result",
+                f"the folder {str(path)!r} without {INFO}",
+                "a directory that a run has written",
+                "As by cosimo run SCENE -o DIR.",
+            )
         killed = (path / UNFINISHED / INFO).is_file() and not is_locked(path)
         folder = path / UNFINISHED if killed else path
         try:

@@ -43,7 +43,7 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
         raise BadInput(
             where,
             repr(str(name_or_path)),
-            "a shipped scene or the path of a .toml, .ssd or .ssp file, or of an OspSystemStructure.xml",
+            "a shipped scene (cosimo list scenes) or the path of a .toml, .ssd or .ssp file, or of an OspSystemStructure.xml",
             nearest(str(name_or_path), files) if files else ARCHIVE,
         )
     return files[str(name_or_path)]

@@ -116,7 +116,7 @@ class KeepSettings(Model):
     def _named(cls, functions: tuple[str, ...]) -> tuple[str, ...]:
         for text in functions:
             if not all(text.partition(":")[::2]):
-                raise BadInput("functions", repr(text), '"module:function"')
+                raise BadInput("", repr(text), '"module:function"')
         return functions
 
     @model_validator(mode="after")
@@ -209,7 +209,7 @@ def _axes(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Axi
         elif isinstance(value, list | tuple) and value:
             yield name, Choices(tuple(_element(name, v) for v in value))
         else:
-            raise BadInput(f"vary.{name}", repr(value), "a list of values, { from, to, points } or { distribution = ... }")
+            raise BadInput(name, repr(value), "a list of values, { from, to, points } or { distribution = ... }")
 
 
 def _element(name: str, value: Any) -> Any:
@@ -219,12 +219,12 @@ def _element(name: str, value: Any) -> Any:
     if not isinstance(value, bool | int | float | str | list | tuple | Mapping) or (
         isinstance(value, float) and not isfinite(value)
     ):
-        raise BadInput(f"vary.{name}", repr(value), "finite numbers, texts, truth values, lists or tables")
+        raise BadInput(name, repr(value), "finite numbers, texts, truth values, lists or tables")
     return value
 
 
 def _distribution(name: str, table: Mapping[str, Any]) -> Distribution:
-    where, shape = f"vary.{name}", table["distribution"]
+    where, shape = name, table["distribution"]
     pick(shape, SHAPES, where, "one of " + ", ".join(SHAPES), "distribution")
     needed, optional = SHAPES[shape]
     given = {key: value for key, value in table.items() if key != "distribution"}

@@ -110,5 +110,5 @@ class StudySettings(Model):
     @classmethod
     def _drawable(cls, table: dict[str, Any]) -> dict[str, Any]:
         if len(table) > 2:
-            raise BadInput("stability", f"{len(table)} parameters", "one or two, the axes of a map")
+            raise BadInput("", f"{len(table)} parameters", "one or two, the axes of a map")
         return table

@@ -185,6 +185,10 @@ def _read(path: str, _changed: int, where: str) -> Description:
     try:
         with zipfile.ZipFile(path) as file:
             root = etree.fromstring(_checked(file, path))
+            if root.tag != "fmiModelDescription":
+                raise BadInput(
+                    where, f"{path}, whose {DESCRIPTION} is <{root.tag}>", "<fmiModelDescription>", "Ask its maker for the FMU."
+                )
             terminals = read_terminals(file, (root.get("generationTool") or "").startswith(OWN_TOOL))
         model = read_model_description(path, validate=False)
     except BadInput:
@@ -211,7 +215,7 @@ def _read(path: str, _changed: int, where: str) -> Description:
         if i.tag in ("CoSimulation", "ModelExchange")  # FMPy knows that of FMI 2
         and any(is_true(i.get("providesDirectionalDerivative" + plural)) for plural in ("", "s"))
     }
-    texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
+    texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.iterfind("ModelVariables/*")}
     return Description(path, model, _scalars(model, {}, texts), derives, texts, _requested(model, root), terminals)
 
 

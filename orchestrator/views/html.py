@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ...components.core.errors import BadInput, visible_in_page
+from ...components.core.errors import BadInput, counted, visible_in_page
 from . import Recorded
 
 WIDTH, HEIGHT = 150, 22  # px
@@ -58,7 +58,7 @@ OTHER = "#b34700"
 def result_html(result: Recorded) -> str:
     """An HTML fragment without script; colours of text are those of the page around it."""
     scene = result.scene
-    rows = f"{result.rows} rows" + (f" to t = {result.end:g} s" if result.rows else "")
+    rows = counted(result.rows, "row") + (f" to t = {result.end:g} s" if result.rows else "")
     parts = [
         f"<b>{escape(scene.title or scene.name)}</b><br>"
         f'<b style="color:{COLOURS.get(result.outcome, OTHER)}">{escape(result.outcome)}</b> · {rows}'

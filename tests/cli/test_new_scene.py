@@ -63,7 +63,11 @@ def test_winter_summer_wear_and_stitch_wires_are_options(folder, capsys):
     assert (section.stitch.half_length, section.stitch.tension, section.stitch.mass) == (9.0, 3500.0, 0.31)
     values = "\n".join(f"{key} = {value}" for key, value in FITTED.items())
     (folder / "fitted.toml").write_text(f'[units.mine]\ncomponent = "Pantograph"\n[units.mine.parameters]\n{values}\n')
-    capsys.readouterr()
+    assert "7 messenger supports between the anchors, " in capsys.readouterr().out
+    for preset, told in (("EN 50318:2018", True), ("DSA250", False)):  # one without a static force of its own, one with
+        named = ("--line", "line.toml", "--speed", "120 km/h", "--pantograph", preset)
+        assert exit_code("new", "scene", f"{preset[:2]}.toml", *named) == 0
+        assert ("static_force = 120 N, of EN 50318:2002: give that of" in capsys.readouterr().err) == told
     fitted = ("--line", "line.toml", "--pantograph", "fitted.toml", "--speed", "120 km/h")
     assert exit_code("new", "scene", "told.toml", *fitted) == 0
     assert "static_force = 120 N, of EN 50318:2002: give that of your pantograph" in capsys.readouterr().err

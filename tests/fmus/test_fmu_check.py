@@ -2,9 +2,11 @@
 
 import subprocess
 import sys
+import zipfile
 
 import pytest
 from cosimo.fmus.check import check
+from cosimo.fmus.check_worker import host_packages, other_bundle
 
 STOCK = """
 import os
@@ -29,6 +31,18 @@ def stock(directory, name, body):
     script.write_text(STOCK.replace("Stock", name).replace("BODY", body))
     subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", directory], check=True, capture_output=True)
     return {f.name: f for f in check(directory / f"{name}.fmu")}
+
+
+@pytest.mark.parametrize(
+    ("tool", "why"), [("cosimo 0.9 (native)", "it holds no code in Python"), ("Stockmaker", "made by another tool")]
+)
+def test_what_a_check_of_python_does_not_find_is_said_by_whose_fmu_it_is(tool, why, tmp_path):
+    text = f"""<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" generationTool="{tool}">
+        <CoSimulation modelIdentifier="m"/><ModelVariables/><ModelStructure/></fmiModelDescription>"""
+    with zipfile.ZipFile(tmp_path / "m.fmu", "w") as file:
+        file.writestr("modelDescription.xml", text)
+    for one in (other_bundle, host_packages):
+        assert one(str(tmp_path / "m.fmu"), "") == (True, f"not offered: {why}")
 
 
 def test_a_foreign_fmu_is_checked_for_what_it_offers(tmp_path):

@@ -123,6 +123,25 @@ def test_model_descriptions_have_limits(tmp_path, version, variables, words):
     refused(path, *words)
 
 
+@pytest.mark.parametrize(
+    ("members", "words"),
+    [
+        ({"modelDescription.xml": b"<a/>"}, ["whose modelDescription.xml is <a>, expected <fmiModelDescription>"]),
+        ({"sources/m.c": b"", "sources/m.c/": b""}, ["'sources/m.c' is a file and a folder"]),
+        ({"sources/m.c": b"", "sources/m.c/n.h": b""}, ["'sources/m.c' is a file and a folder"]),
+    ],
+    ids=["another element", "folder", "file below a file"],
+)
+def test_an_archive_that_is_no_fmu(tmp_path, members, words):
+    text = DESCRIPTION.format(version="2.0", variables=SCALAR.format(name="y", reference=1)).encode()
+    (tmp_path / "m.fmu").write_bytes(archive({"modelDescription.xml": text} | members))
+    path = tmp_path / "hostile.toml"
+    path.write_text('units.p.fmu = "m.fmu"\nmaster.step = 0.1\nstop_time = 1.0\n')
+    with pytest.raises(BadInput) as refusal:
+        load_scene(path)
+    assert all(word in str(refusal.value) for word in words), refusal.value
+
+
 def test_an_fmu_that_swells_is_refused_before_it_is_unpacked(tmp_path):
     text = DESCRIPTION.format(version="2.0", variables=SCALAR.format(name="y", reference=1)).encode()
     (tmp_path / "m.fmu").write_bytes(archive({"modelDescription.xml": text, "resources/x": b"\0" * (loading.RATIO_FROM + 1)}))

@@ -63,7 +63,7 @@ class Function:
         self._columns = [as_column(name) for name in self.figures]
         self._threads = threads
         self.reasons: tuple[str, ...] = ("",)
-        self.units: tuple[str, ...] = ("",) * len(self.figures)
+        self._units: tuple[str, ...] = ()
         for name in self.figures:
             if "," in name:
                 wanted(name)  # says which kinds there are
@@ -73,6 +73,7 @@ class Function:
             (row,) = self._rows(self.start[None])
             for name in self.figures if row.outcome == "done" else ():
                 column_name(row.numbers, name, "function: figures")
+            self._learn([row])
 
     def _open(self) -> None:
         """Begin with the runs of one thread."""
@@ -91,13 +92,23 @@ class Function:
         if given.ndim not in (1, 2) or given.shape[-1] != k:
             raise BadInput("function: x", f"an array of shape {np.shape(x)}", f"({k},) or (n, {k}): {', '.join(self.parameters)}")
         rows = self._rows(np.atleast_2d(given))
-        for row in rows:
-            if row.outcome == "done":
-                self.units = tuple(row.units.get(name, "") for name in self._columns)
+        self._learn(rows)
         y = np.array([row.values(self._columns) for row in rows]).reshape(len(rows), len(self._columns))
         self.reasons = tuple(_reason(row, values, self.figures) for row, values in zip(rows, y, strict=True))
         y = y[:, 0] if self._single[1] else y
         return y if many else float(y[0]) if self._single[1] else y[0]
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the figures; before the first call from a run at `start`. "" where no run has come to its end."""
+        if not self._units:
+            self._learn(self._rows(self.start[None]))
+        return self._units or ("",) * len(self.figures)
+
+    def _learn(self, rows: Sequence[PointResult]) -> None:
+        for row in rows:
+            if row.outcome == "done":
+                self._units = tuple(row.units.get(name, "") for name in self._columns)
 
     @property
     def reason(self) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....components.core.errors import counted
 from ...engine.algorithms.energy import BondEnergy
 from ...engine.algorithms.initial import InitializationResult
 from ...run.run_record import SteppingRecord
@@ -54,7 +55,7 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
         yield "macro steps", _steps(result, stepping)
         if result.scene.master.events or stepping.events:
             located = f"; located: {', '.join(result.scene.master.events)}" if result.scene.master.events else ""
-            yield "events", f"{_counted(stepping.events, 'step')} ended at one{located}"
+            yield "events", f"{counted(stepping.events, 'step')} ended at one{located}"
         if stepping.restores:
             yield "units taken back", f"{_times(stepping.restores)}, to repeat a step or to make it in halves"
     if "iterations" in master:
@@ -63,8 +64,8 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
         yield (
             f"algebraic loop of {text}",
             (
-                f"solved at {_counted(loop['points'], 'instant')} with {_counted(loop['evaluations'], 'evaluation')} and "
-                f"{_counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
+                f"solved at {counted(loop['points'], 'instant')} with {counted(loop['evaluations'], 'evaluation')} and "
+                f"{counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
             ),
         )
     if past := info.resumed:
@@ -77,18 +78,14 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
         yield "fault", f"{fault_name(fault)}, {fault.begin:g} s to {end}"
 
 
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}" + ("" if count == 1 else "s")
-
-
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
 def _initial_values(group: InitializationResult) -> str:
-    text = f"converged in {_counted(group.sweeps, 'sweep')}"
+    text = f"converged in {counted(group.sweeps, 'sweep')}"
     if group.secants:
-        text += f" and {_counted(group.secants, 'quasi-Newton step')}"
+        text += f" and {counted(group.secants, 'quasi-Newton step')}"
     return f"{text}; relative change in the last one {group.residual:.2g}"
 
 
@@ -114,11 +111,11 @@ def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
         return "none: no units feed one another"
     text = f"{count}"
     if steps and result.info.resumed is None:
-        text += f" in {_counted(steps, 'step')}, {count / steps:.3g} a step"
+        text += f" in {counted(steps, 'step')}, {count / steps:.3g} a step"
         text += ", those of rejected steps among them" if result.info.counters.stepping else ""
     tolerance = (result.scene.master.iteration or IterationSettings()).tolerance
     if counts.get("unconverged_steps"):
-        missed = _counted(counts["unconverged_steps"], "step")
+        missed = counted(counts["unconverged_steps"], "step")
         return f"{text}; {missed} did not converge, worst residual {counts['worst_miss']:.2g}"
     return f"{text}; residual in every step that was kept at most {tolerance:g}, the tolerance"
 
@@ -133,7 +130,7 @@ def steps_chart(result: Result, counts: SteppingRecord) -> Block | None:
     logarithmic = bool(lengths.max() > WIDE * lengths.min())
     steps = Series("macro step", np.repeat(result.time, 2)[1:-1], 1e3 * np.repeat(lengths, 2))
     panel = Panel("macro step, ms", (steps,), logarithmic=logarithmic)
-    text = f"{_counted(counts.accepted, 'step')} kept"
+    text = f"{counted(counts.accepted, 'step')} kept"
     text += f", of which {counts.events} ended at an event" if counts.events else ""
     text += f"; {counts.rejected} rejected." if result.scene.master.control is not None else "."
     if result.scene.faults:

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....components.core.errors import counted
 from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Band, Chart, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
+from ...harness.preferred_units import preferred
 from . import FrictionDriveKeys
 from .records import AXES, Drive, at_rest, drives, energies, moves, starts
 
@@ -27,7 +29,7 @@ SCALES = {"feed": (1e3, "mm"), "rotation": (DEGREES, "degrees")}
 FINE = {"feed": (1e6, "µm"), "rotation": (DEGREES, "degrees")}
 SHORTEST_REST = 0.2  # of the run, that a drive is at rest at its end, to be looked at
 NOTICED = 0.01  # of its band, up to which an error is none
-QUANTITIES = (("rate", "rate of the wheel, rad/s"), ("voltage", "voltage, V"), ("current", "current, A"),
+QUANTITIES = (("rate", "speed of the wheel"), ("voltage", "voltage, V"), ("current", "current, A"),
               ("torque", "load at the wheel, N.m"))  # fmt: skip
 MOST_DRAWN = 6000  # samples of a path
 FREE = ("Traction over the kinetic friction at full preload. Free friction: what the traction leaves of the kinetic friction at "
@@ -94,7 +96,7 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
     if not panels:
         return None
     counts = [sum(starts(rest[kept]) for name, rest in d.rests.items() if "shaft" in name) for d in drives]
-    phrases = [f"{d.unit}: the shafts break loose {n} time{'' if n == 1 else 's'}" for d, n in zip(drives, counts, strict=True)]
+    phrases = [f"{d.unit}: the shafts break loose {counted(n, 'time')}" for d, n in zip(drives, counts, strict=True)]
     text = f"From {time[first]:.4g} s on, when all shafts have come to rest. In {'; in '.join(phrases)}."
     if max(counts) > 1:
         text += (" A drive that seeks its set point by an integral, and whose friction falls once it moves, goes past it again "
@@ -104,9 +106,12 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
 
 def wheels_chart(drive: Drive, who: str = "") -> Chart | None:
     """Rates, voltages, currents and loads of both wheels over time, those that were recorded."""
+    turning, factor = preferred("rad/s", 1.0, "speed")
+    units = {"rate": (f", {turning}", factor)}
     panels = filled(
-        (label, [Series(f"{w.name} wheel", drive.time, w.signals[key]) for w in drive.wheels if key in w.signals])
+        (label + unit, [Series(f"{w.name} wheel", drive.time, by * w.signals[key]) for w in drive.wheels if key in w.signals])
         for key, label in QUANTITIES
+        for unit, by in (units.get(key, ("", 1.0)),)
     )
     return Chart(f"{who}Wheels and motors", "time, s", panels, height=180) if panels else None
 

@@ -70,7 +70,9 @@ def refuse_pushing(form: Form, where: str) -> None:
     """Raises `BadInput` where droppers would push at rest: they cannot, so the wire hangs in another form."""
     slack = np.flatnonzero(form.preload <= 0.0)
     if slack.size:
-        shown = ", ".join(f"{form.preload[k]:.4g} N at {form.layout.droppers.position[k]:.6g} m" for k in slack[:MOST_NAMED])
+        shown = ", ".join(
+            f"{form.preload[k]:.4g} N at {form.layout.droppers.position[k]:.6g} m{_which(form, k)}" for k in slack[:MOST_NAMED]
+        )
         more = f" and {slack.size - MOST_NAMED} more" if slack.size > MOST_NAMED else ""
         raise BadInput(
             where,
@@ -78,6 +80,11 @@ def refuse_pushing(form: Form, where: str) -> None:
             "tension in every dropper",
             "Raise the wire there or lower it at the droppers beside, reduce the pre-sag, or move or remove these droppers.",
         )
+
+
+def _which(form: Form, k: int) -> str:
+    """Of a dropper the contact wire, as `dropper_rows` counts them, where a line has two of them, as in an overlap."""
+    return f" (contact wire {form.layout.droppers.lower[k] // 2 + 1})" if np.ptp(form.layout.droppers.lower) else ""
 
 
 def _wire(form: Form, lane: int) -> str:

@@ -27,6 +27,8 @@ COLUMNS = {  # of the table of supports -> key of a support in a line's table, "
     "contact stiffness": ("contact_stiffness", "N/m"),
 }
 TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+LOWEST = -1.0  # m; of heights above the rail, and of deviations from a level, which lines of reference models give
+HEIGHTS = "It is a height above the rail, or a small deviation from a level that all supports share."
 START = 30.0  # m, of the last pantograph, at most half of the first span
 TRANSIENT = 1.0  # s, of the start at full speed
 CALM = 1.6  # times the way of the transient, before the first span that is judged: for runs at higher speeds, too
@@ -53,6 +55,9 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
     for i, (line, _) in enumerate(table.rows):
         cells = {name: values[i] for name, values in columns.items()}
         support: dict[str, Any] = {name: v if isinstance(v, str) else float(v) for name, v in cells.items() if v != "" and v == v}
+        if support.get("contact height", 0.0) < LOWEST:
+            actual = f"{support['contact height']:g} m"
+            raise BadInput(f"{path}, line {line}, column 'contact height'", actual, f"at least {LOWEST:g} m", HEIGHTS)
         if "position" not in support:
             raise BadInput(f"{path}, line {line}", "no position", "the position of each support, m")
         if support.get("held", "yes").lower() not in TRUTHS:
@@ -201,7 +206,8 @@ def scene_text(
         f"window = [{inside[0]:.9g}, {inside[-1]:.9g}]                          # m, whole spans that all pantographs pass",
         "",
     ]
-    taken = [] if unit["preset"] else _taken(unit)
+    origins = (" of preset ", " default:") if unit["preset"] else ()  # what a preset says, or leaves at rest, is no news
+    taken = [line for line in _taken(unit) if not any(origin in line for origin in origins)]
     return "\n".join(parts), [line.replace("  # ", " ") + "; stands in the scene" for line in taken]
 
 

@@ -27,7 +27,7 @@ def _figures(result: Result, joint: JointRecord) -> list[LiveFigure]:
             text, signal = f"largest {what} of the {axis.name}", f"{joint.unit}.{short}_{what}"
             if signal in result.columns:
                 rows.append(LiveFigure(f"{key}_{what}_max", text, unit, (signal,), "largest size"))
-    if "energy" in joint.kept and (energy := RecordedUnit(result, joint.unit).column(ENERGY)):
+    if "energy" in joint.constant and (energy := RecordedUnit(result, joint.unit).column(ENERGY)):
         text = "largest change of the energy over its size"
         rows.append(LiveFigure(f"{joint.unit}.energy_change", text, "1", (energy,), "largest drift"))
     return rows

@@ -30,9 +30,8 @@ def _rows(joint: JointRecord) -> list[SummaryRow]:
             SummaryRow(f"{key}_rate_max", float(np.abs(axis.rate).max()), "rad/s", f"largest rate of the {axis.name}"),
         ]
     for name, values in joint.kept.items():
-        change = float(np.abs(values - values[0]).max()) / (float(np.abs(values).max()) or 1.0)
-        kept = "which the equations keep" if name in joint.constant else "which forces, losses or partners may change"
-        numbers.append(
-            SummaryRow(f"{joint.unit}.{name}_change", change, "1", f"largest change of the {name} over its size, {kept}")
-        )
+        if name in joint.constant:  # of another one a change over its size says nothing: from rest it is 1
+            change = float(np.abs(values - values[0]).max()) / (float(np.abs(values).max()) or 1.0)
+            text = f"largest change of the {name} over its size, which the equations keep"
+            numbers.append(SummaryRow(f"{joint.unit}.{name}_change", change, "1", text))
     return numbers

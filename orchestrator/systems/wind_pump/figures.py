@@ -15,6 +15,7 @@ from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Chart, Lines, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
+from ...harness.preferred_units import preferred
 from ...run.key_results import after_transient
 from . import WindPumpKeys
 from .records import Chain, Running, branches, chains, efficiencies, moving_mean, runnings, wind_energy
@@ -153,7 +154,8 @@ def course_chart(shown: Sequence[Shown]) -> Chart:
         panels.append(Panel("wind, m/s", tuple(winds), x_marks=plain))
     speeds = [(f"{s.who}{name}", s.signals[key]) for s in shown
               for name, key in (("turbine", "turbine_speed"), ("pump", "pump_speed")) if key in s.signals]  # fmt: skip
-    panels.append(Panel("speed, rad/s", tuple(Series(n, t, v) for n, v in speeds), x_marks=marks))
+    turning, factor = preferred("rad/s", 1.0, "speed")
+    panels.append(Panel(f"speed, {turning}", tuple(Series(n, t, factor * v) for n, v in speeds), x_marks=marks))
     ratios = tuple(Series(f"{s.who}pump", t, s.ratio) for s in shown if s.ratio is not None)
     if ratios:
         panels.append(Panel("pump speed over turbine speed, 1", ratios, x_marks=plain))
@@ -165,7 +167,7 @@ def course_chart(shown: Sequence[Shown]) -> Chart:
         series = tuple(Series(f"{s.who}{name}", t, getattr(s, source)[key]) for s in shown if key in getattr(s, source))
         if series:
             panels.append(Panel(label, series, x_marks=plain, y_range=COEFFICIENTS if "Cp" in label else None))
-    text = f"{shown[0].averaged} Gaps in the ratio: the turbine stands (below {shown[0].standstill:g} rad/s)."
+    text = f"{shown[0].averaged} Gaps in the ratio: the turbine stands (below {factor * shown[0].standstill:.3g} {turning})."
     if events:
         text += " Thin vertical lines: the pump starts or stops." if few else " The pump's starts and stops are in the table."
     return Chart("Time histories", f"time, {unit}", tuple(panels), text.strip(), height=200)
@@ -185,9 +187,10 @@ def water_chart(shown: Sequence[Shown]) -> Chart | None:
 
 def _quantities(s: Shown) -> list[tuple[str, np.ndarray]]:
     """(label of the axis, values (n,)) of what is drawn against the wind."""
+    unit, factor = preferred("rad/s", 1.0, "speed")
+    speeds = ((f"{name} speed, {unit}", s.signals.get(f"{name}_speed")) for name in ("turbine", "pump"))
     quantities = [
-        ("turbine speed, rad/s", s.signals.get("turbine_speed")),
-        ("pump speed, rad/s", s.signals["pump_speed"]),
+        *((label, None if v is None else factor * v) for label, v in speeds),
         ("pump speed over turbine speed, 1", s.ratio),
         ("power coefficient Cp, 1", s.signals.get("power_coefficient")),
         ("power at the turbine, W", s.powers.get("aerodynamic")),
@@ -269,7 +272,8 @@ def runs_table(shown: Sequence[Shown]) -> Cells:
         if not s.runs:
             turned = float(np.max(s.chain.signals["pump_speed"])) > s.standstill
             rows.append((s.chain.name, "makes less than a turn" if turned else "never runs", "", "", "", ""))
-    text = (f"A pump runs while its shaft is faster than {shown[0].standstill:g} rad/s and makes a turn or more; a "
+    turning, factor = preferred("rad/s", 1.0, "speed")
+    text = (f"A pump runs while its shaft is faster than {factor * shown[0].standstill:.3g} {turning} and makes a turn or more; a "
             f"standstill of up to {shown[0].pause:g} s is none. Empty: it ran when the record began, or still did when it "
             "ended.")  # fmt: skip
     return Cells("Starts and stops", ("transmission", f"starts at, {unit}", "wind then, m/s", f"stops at, {unit}",

@@ -33,9 +33,9 @@ def test_numbers_are_those_of_runs_at_one_point_or_at_many(scene):
     with function(scene, ["spring.stiffness", "spring.damping"], LARGEST, threads=2) as f:
         assert f.parameters == ("spring.stiffness", "spring.damping")
         assert f.start.tolist() == [100.0, 4.0]
+        assert f.units == ("m", "m")  # before the first call
         assert [f(x).tolist() for x in points] == runs.tolist()
         assert f(points).tolist() == runs.tolist()
-        assert f.units == ("m", "m")
         again = pickle.loads(pickle.dumps(f))
         assert again(points[0]).tolist() == runs[0].tolist()
         again.close()

@@ -6,7 +6,8 @@ import math
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.harness.studies.stability import schemes_of, stability
+from cosimo.orchestrator.harness.report.studies.stability import limit_cells
+from cosimo.orchestrator.harness.studies.stability import SchemeLimit, StabilityMap, schemes_of, stability
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.derivatives.coupled_masses import HERE
 from cosimo.tests.run.judgement.closed_form import longest_step
@@ -72,6 +73,28 @@ def test_a_scheme_that_is_not_examined_is_in_the_table_with_its_reason(algorithm
 def test_every_algorithm_whose_steps_have_derivatives_is_measured_unless_some_are_named():
     assert schemes_of() == [(name, degree) for name in ("jacobi", "gauss-seidel") for degree in (0, 1, 2)]
     assert schemes_of(["iterative"], [1]) == [("iterative", 1)]
+
+
+@pytest.mark.parametrize(
+    ("longest", "tried", "told"),
+    [
+        (0.2, 0.3, "stable"),
+        (0.09, 0.1, "unstable"),
+        (math.inf, 0.2, "stable"),
+        (math.inf, 0.05, "–"),
+        (0.0, 0.05, "unstable"),
+        (0.0, 0.2, "–"),
+        (math.nan, 0.1, "–"),
+    ],
+)
+def test_the_table_says_what_the_scenes_own_step_is(longest, tried, told):
+    """Of a step of 0.1 s; beyond the steps that were tried nothing is known."""
+    scene = spring().with_changes({"master.step": 0.1, "stop_time": 10.0})
+    limits = tuple(SchemeLimit({}, "jacobi", degree, longest, "", tried) for degree in (scene.master.extrapolation, 2))
+    cells = limit_cells(StabilityMap(scene, {}, limits, ()))
+    assert "the scene's 0.1 s" in cells.header
+    assert [row[2] for row in cells.rows] == [told, told]
+    assert [("(the scene's)" in row[0]) for row in cells.rows] == [scene.master.algorithm == "jacobi", False]
 
 
 def test_order_control_and_faults_of_a_scene_do_not_stand_in_the_way():

@@ -9,6 +9,7 @@ from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.engine.stepping.loop import Needs
 from cosimo.orchestrator.judgement.advice import remedy
 from cosimo.orchestrator.run.instability import InstabilityMonitor
+from cosimo.orchestrator.run.recorded_growth import LookRecord
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code
@@ -129,3 +130,29 @@ def test_exit_code_and_results_of_a_run_that_became_unstable(tmp_path, capsys):
     assert info["outcome"] == "unstable"
     assert (tmp_path / "result.csv").read_text().count("\n") > 100
     assert (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("at", [1, 2, 5])
+def test_an_input_that_is_switched_on_is_not_missed_by_its_coupling(degree, at):
+    """A jump and then no motion: extrapolation misses the jump by itself, in degree + 1 steps, and by more than its deviation."""
+    values = np.where(np.arange(50) < at, 0.0, 0.5)
+    assert largest_miss(values, degree) is None
+
+
+@pytest.mark.parametrize(("degree", "share"), [(0, 2.0), (1, 4.0), (2, 8.0)])
+def test_an_input_that_alternates_is_missed_all_along(degree, share):
+    """Differences of order d + 1 of (-1)^n are 2^(d + 1), and the deviation is 1."""
+    assert largest_miss((-1.0) ** np.arange(400), degree) == pytest.approx(share, rel=0.01)
+
+
+def largest_miss(values, degree):
+    """Of an input that is led by the polynomial through its last values, as many as there are up to the degree."""
+    missed = [
+        abs(np.diff(values[max(0, n - degree - 1) : n + 1], n=min(degree + 1, n))[-1]) if n else 0.0 for n in range(values.size)
+    ]
+    record, _ = LookRecord.nothing(np.ones(1), None, None).after(
+        values[:, None], np.array(missed)[:, None], np.arange(values.size), lambda step: None
+    )
+    found = record.largest_miss()
+    return found and found[1]

@@ -8,6 +8,7 @@ from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.closed_forms import small_motion
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems.two_axis_joint.summary import summary
 from cosimo.tests.scene_runs import finished
 from cosimo.tests.systems.two_axis_joint.exact_motions import quartic
 
@@ -69,6 +70,7 @@ def test_the_gyroscope_precesses_as_one_with_a_constant_momentum():
 def test_the_bearings_carry_the_gyroscopic_moment():
     """Their forces make the couple that the gimbal feels; the tilt stiffness of the bearings carries the rest."""
     result = finished(load_scene("gimbal-rotor").with_changes({"stop_time": 0.2}))
+    assert [row.name for row in summary(result) if row.name.endswith("_change")] == []  # partners change energy and momentum
     couple = 0.1 * (result["lower.force_x"] - result["upper.force_x"])
     moment = -result["rotor.frame_rotation.moment_y"]
     assert np.abs(moment).max() > 5.0

@@ -40,13 +40,13 @@ def test_a_wind_that_rises_and_falls_has_its_branches(shown):
     assert list(figures(shown)) == ["Time histories", "Against the wind", "Water"]
     assert list(tables(shown)) == ["Starts and stops", "Energy along the chain"]
     figure = figures(shown)["Against the wind"]
-    pump = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and a["title"]["text"] == "pump speed, rad/s")
+    pump = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and a["title"]["text"] == "pump speed, rpm")
     traces = {t["name"]: t for t in figure["data"] if t["yaxis"] == pump.replace("axis", "")}
     assert {"wind rising", "wind falling", "pump starts", "pump stops"} <= traces.keys()
     x, y = (numbers(traces["wind rising"][k]) for k in "xy")
     assert np.nanmax(np.where(x < STARTS - 0.01, y, 0.0)) == 0.0
     x, y = (numbers(traces["wind falling"][k]) for k in "xy")
-    assert np.nanmin(np.where((x > STOPS + 0.1) & (x < 5.0), y, 9.0)) > 0.5 * STOPS
+    assert np.nanmin(np.where((x > STOPS + 0.1) & (x < 5.0), y, 90.0)) > 0.5 * STOPS * 30.0 / np.pi
     assert np.nanmean(numbers(traces["pump starts"]["x"])) == pytest.approx(STARTS, abs=0.003)  # a sample: 0.0025 m/s
     assert np.nanmean(numbers(traces["pump stops"]["x"])) == pytest.approx(STOPS, abs=0.003)
 

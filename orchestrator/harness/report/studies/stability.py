@@ -29,7 +29,7 @@ from ...charts.style import (
     vertical,
 )
 from ...studies.internal_steps import InternalStep, InternalSteps
-from ...studies.stability import Scheme, StabilityMap
+from ...studies.stability import Scheme, SchemeLimit, StabilityMap
 from ..page import Page, Section, write_page
 
 ROW = 34  # px of a bar
@@ -106,14 +106,23 @@ def _labels(study: StabilityMap) -> list[str]:
     return [f"{name}, {unit}" if unit else name for name, unit in study.varied.items()]
 
 
+def _own_step_text(step: float, limit: SchemeLimit) -> str:
+    """Whether the scene's own step is stable by a limit, which may lie beyond the steps that were tried."""
+    if isnan(limit.longest) or (limit.longest == inf and step > limit.tried) or (limit.longest == 0.0 and step < limit.tried):
+        return "–"
+    return "stable" if step <= limit.longest else "unstable"
+
+
 def limit_cells(study: StabilityMap) -> Cells:
     """The limit of each scheme at each point."""
-    names = _labels(study)
+    names, master = _labels(study), study.scene.master
+    own = master.algorithm, master.extrapolation
     rows = [
         (
             *(f"{v:.4g}" for v in limit.point.values()),
-            _scheme_text((limit.algorithm, limit.extrapolation)),
+            _scheme_text(scheme := (limit.algorithm, limit.extrapolation)) + (" (the scene's)" if scheme == own else ""),
             limit_text(limit.longest, limit.tried),
+            _own_step_text(master.step, limit),
             limit.how or "–",
             limit.seen,
         )
@@ -122,7 +131,14 @@ def limit_cells(study: StabilityMap) -> Cells:
     n = len(names)
     return Cells(
         TITLE,
-        (*names, "algorithm, inputs", "longest stable step, s", "told by", "what a longer step does"),
+        (
+            *names,
+            "algorithm, inputs",
+            "longest stable step, s",
+            f"the scene's {master.step:g} s",
+            "told by",
+            "what a longer step does",
+        ),
         rows,
         "Eigenvalue: the derivative of a macro step is the same all along the run, and the limit is exact. Growth along the run: "
         "that of a push over stretches that begin on a run with short steps, beside that of a quarter of the step; some per cent.",
