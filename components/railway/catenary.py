@@ -70,7 +70,7 @@ from .mesh import (
     discretisation,
     empty_mesh,
     find_pushed,
-    hang_contact_wires,
+    hang_wires_on_droppers,
     packed,
     spread_wires,
     unpacked,
@@ -391,7 +391,7 @@ def catenary_initialize(t, s, p, e):
             status = spread_wires(mesh, s.plan, s.filled, s.grid, way, s.space)
         if status == DONE:
             add_fittings(mesh, s.plan, s.filled, s.grid, s.space)
-            hang_contact_wires(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
+            hang_wires_on_droppers(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
             if e.dropper_slackening is not None and e.scatter is None:
                 status = find_pushed(mesh, refused)
 

@@ -29,6 +29,14 @@ stitch = { half_length = 9.0, tension = 3500, mass = 0.31 }
 support.system_height = 1.8
 spans = [65, 65, 65]
 """
+COMPOUND = """[[sections]]
+contact_wire = { tension = 14700, mass = 1.511 }
+auxiliary = { tension = 14700, mass = 1.375, height = 0.15 }
+messenger = { tension = 24500, mass = 1.45 }
+main_droppers.gap = 10.0
+support.system_height = 1.5
+spans = [50, 50, 50]
+"""
 GRADIENT = "[[sections]]\nspans = [50, 50, 50]\nsupports = [5.0, 5.0, {0}, {0}]\n"
 THREE_SPANS = {"spans": 3, "element": 1.0}
 
@@ -209,6 +217,20 @@ HARD_CASES = {
             Refused("a positive one", accepted={"line_table.table": STITCHED}),
             effects=("line_table",),
             parameters={"line_table.table": STITCHED.replace("3500", "21000")},
+        ),
+        "ice that falls off an undamped compound line": HardCase(
+            "2 kN downwards are gone at once: three wires fly up, droppers of both rows are slack, and nothing gives energy.",
+            (Invariant("energy", 2e-3, share=True),),
+            effects=("dropper_slackening", "line_table"),
+            parameters={"line_table.table": COMPOUND, "element": 1.0},
+            inputs={"contact_position": 75.0, "contact_force": jumps(-2000.0, (0.0, 0.0))},
+            run=(0.2, 2e-3),
+        ),
+        "an auxiliary wire above its messenger": HardCase(
+            "The messenger hangs below the height at which the droppers are to hold the auxiliary wire.",
+            Refused("an upper wire above the lower one", accepted={"line_table.table": COMPOUND}),
+            effects=("line_table",),
+            parameters={"line_table.table": COMPOUND.replace("0.15", "1.45")},
         ),
         "a mean wind that lifts the wire off its droppers": HardCase(
             "64 N/m against a weight of 13 N/m.",

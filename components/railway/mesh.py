@@ -428,9 +428,10 @@ def add_fittings(mesh, plan, filled, grid, space):
 
 
 @kernel
-def hang_contact_wires(mesh, plan, filled, grid, space, sag):
+def hang_wires_on_droppers(mesh, plan, filled, grid, space, sag):
     """Heights of the contact wires under their own weight, held by droppers and arms, and the tensions of the droppers.
 
+    An auxiliary wire hangs likewise, behind the contact wires, whose droppers it carries.
     sag: whether heights keep it; else they are straight lines between clamps.
     """
     n, W, L, held, y = mesh.position.size, mesh.bending_gradient.size, mesh.length, space.nodal[HELD], space.nodal[SHAPE]
@@ -439,7 +440,7 @@ def hang_contact_wires(mesh, plan, filled, grid, space, sag):
     for k in range(plan.wires.shape[0]):
         lane, contact = plan.wires[k, LANE], plan.wires[k, CONTACT]
         a, size = grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]] - grid.node[plan.wires[k, FROM]] + 1
-        if contact < 0:
+        if plan.lanes[lane] == 0:
             continue
         y[:size], held[:size] = 0.0, 0.0
         y[0], y[size - 1] = plan.wire_numbers[k, HEIGHT_FROM], plan.wire_numbers[k, HEIGHT_TO]
@@ -473,8 +474,9 @@ def hang_contact_wires(mesh, plan, filled, grid, space, sag):
             i = mesh.dropper[m] - a
             if plan.droppers[m, LOWER] == lane and 0 <= i < size:
                 mesh.preload[m] = (weight[i] - lifted[i]) + product_at(i, band, y[:size])
+                space.nodal[WEIGHT, mesh.upper[m]] += mesh.preload[m]
         at, before = contact * n + a, 0
-        for i in range(size):
+        for i in range(size if contact >= 0 else 0):
             mesh.height[at + i] = y[i]
             if sag and i < size - 1:
                 mesh.bow[at + i] = 4.0 * filled.mass[k] * GRAVITY * L[a + i] ** 2 / (8.0 * over_right[i])

@@ -50,6 +50,7 @@ def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
     """A section with its spans one by one, each with its rows, which are taken out of `rows`."""
     spans = []
     twin = s.section.second_contact_wire.tension is not None
+    numbered = twin or s.section.auxiliary.tension is not None
     wires = (1.0, 2.0) if twin else (1.0 + index % 2,)
     for a, b, span in zip(s.x[:-1], s.x[1:], s.spans, strict=True):
         mine = {place: row for place, row in rows.items() if a < row.position < b and (row.contact_wire or 1.0) in wires}
@@ -57,12 +58,13 @@ def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
             del rows[place]
         own = sorted(
             (
-                replace(row, position=row.position - float(a), contact_wire=row.contact_wire if twin else None)
+                replace(row, position=row.position - float(a), contact_wire=row.contact_wire if numbered else None)
                 for row in mine.values()
             ),
             key=lambda row: row.position,
         )
-        spans.append(replace(span, dropper_list=tuple(own), positions=None, second_positions=None, heights=None))
+        none = dict.fromkeys(("positions", "second_positions", "main_positions", "heights"))
+        spans.append(replace(span, dropper_list=tuple(own), **none))
     return replace(s.section, spans=tuple(spans), span=type(s.section.span)())
 
 

@@ -171,7 +171,7 @@ def tie(plan, band):
 
 @kernel
 def hang_wires(contact, plan, net):
-    """Heights of the contact wires, contact = 1, or of the others, 0, between the nodes at which they are placed."""
+    """Heights of the contact wires, contact = 1, an auxiliary wire, -1, or the others, 0, between the nodes where they are placed."""
     W, nodal, band = plan.lanes.size, net.nodal, net.factors
     F, z, b, bound = nodal.shape[1], nodal[Z], nodal[UNKNOWN], nodal[OWN_WEIGHT]  # whose weights are those of nodes by now
     for j in range(F):
@@ -228,7 +228,7 @@ def place_by_cut_lengths(plan, filled, net):
         else:
             for c in range(max(i - W, 0), min(i + 2 * W, F)):
                 band[up, m + c - up] += band[low, m + c - low] if abs(c - low) <= m else 0.0
-            b[up] += nodal[LOADS, low]
+            b[up] += b[low]  # with what an auxiliary wire carries there: its droppers come behind those
             nodal[Z, low] = own[HEIGHT]
     for k in range(plan.wires.shape[0]):
         lane, clamp = plan.wires[k, LANE], plan.wires[k, CLAMPED_TO]
@@ -251,6 +251,20 @@ def place_by_cut_lengths(plan, filled, net):
 
 
 @kernel
+def hang_on_droppers(contact, plan, filled, net):
+    """`hang_wires` of contact wires or an auxiliary wire, and what their droppers then carry and load the wires above with."""
+    W, nodal = plan.lanes.size, net.nodal
+    hang_wires(contact, plan, net)
+    for k in range(plan.droppers.shape[0]):
+        low = W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]
+        if plan.lanes[low % W] == contact:
+            filled.dropper[PRELOAD, k] = held_by(low, net) - nodal[LOADS, low]
+    for k in range(plan.droppers.shape[0]):
+        if plan.lanes[plan.droppers[k, LOWER]] == contact:
+            nodal[LOADS, W * plan.droppers[k, PLACE] + plan.droppers[k, UPPER]] -= filled.dropper[PRELOAD, k]
+
+
+@kernel
 def hang(plan, filled, net):
     """Form of a filled layout: the contact wires hang as their clamps are placed, the others as these load them.
 
@@ -264,12 +278,9 @@ def hang(plan, filled, net):
         place_by_cut_lengths(plan, filled, net)
     for k in range(plan.droppers.shape[0]):
         nodal[Z, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = filled.dropper[HEIGHT, k]
-    hang_wires(1, plan, net)
-    for k in range(plan.droppers.shape[0]):
-        low = W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]
-        filled.dropper[PRELOAD, k] = nodal[WEIGHT, low] + held_by(low, net)
-    for k in range(plan.droppers.shape[0]):
-        nodal[LOADS, W * plan.droppers[k, PLACE] + plan.droppers[k, UPPER]] -= filled.dropper[PRELOAD, k]
+    hang_on_droppers(1, plan, filled, net)
+    if plan.lanes.min() < 0:
+        hang_on_droppers(-1, plan, filled, net)
     hang_wires(0, plan, net)
     upward = nodal[UNKNOWN]
     for j in range(upward.size):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import BadInput
-from .layout import SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
+from .layout import AUXILIARY, SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
 from .table import MOST_DROPPERS, MOST_SPANS, Dropper, DropperData, Line, Section, Span, Stitch, Support, WireData, over
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
@@ -57,8 +57,9 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
                     "",
                     "Remove it, or set it for a support between the first and the last.",
                 )
-        if section.second_contact_wire.tension is None and _says(section.second_contact_wire):
-            raise BadInput(f"{at}.second_contact_wire", "no tension", "the tension of the second contact wire")
+        for key, wire in (("second_contact_wire", "second contact wire"), ("auxiliary", "auxiliary wire")):
+            if getattr(section, key).tension is None and _says(getattr(section, key)):
+                raise BadInput(f"{at}.{key}", "no tension", f"the tension of the {wire}")
         given = section.supports or (Support(),) * (len(spans) + 1)
         for k, support in enumerate(given, 1):
             own = over(support, section.support, Support(stitch=section.stitch))
@@ -119,9 +120,15 @@ def lay_out(line: Line, bending: bool) -> Layout:
             "Overlaps of sections with two contact wires each are not modelled.",
         )
     stitched = any(support.stitch.half_length for s in sections for support in s.supports[1:-1])
+    compound = any(s.section.auxiliary.tension is not None for s in sections)
+    for beside, what in ((two, "a second contact wire"), (stitched, "stitch wires"), (len(sections) > 1, "several sections")):
+        if compound and beside:
+            raise BadInput(
+                "line.sections", f"an auxiliary wire and {what}", "one section with one contact wire and no stitch wires"
+            )
     contacts = 2 if two or len(sections) > 1 else 1
     first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, min(len(sections), 2)]
-    lanes = first_stitch + (min(len(sections), 2) if stitched else 0)
+    lanes = first_stitch + (min(len(sections), 2) if stitched else 0) + compound
     wires: list[Any] = []
     droppers: list[Any] = []
     holds: list[Any] = []
@@ -140,7 +147,10 @@ def lay_out(line: Line, bending: bool) -> Layout:
     springs = Holds(**_by_column(Holds, holds, "lane", "wire"))
     supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
     contact_lanes = tuple(range(0, 2 * contacts, 2))
-    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 5), reference)
+    between = (AUXILIARY,) if compound else ()
+    return Layout(
+        lanes, supports, tuple(wires), rows, springs, contact_lanes, between, np.array(lateral).reshape(-1, 5), reference
+    )
 
 
 def _by_column(kind: type, rows: list[tuple[float, ...]], *whole: str) -> dict[str, np.ndarray]:
@@ -182,7 +192,13 @@ def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
             round(float(x + row.position), 9)
             for s in sections
             for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
-            for row in _droppers(span, over(span.droppers, s.section.droppers, base), 1, f"{s.name}.spans[{k + 1}]")
+            for row in _droppers(
+                span,
+                over(span.droppers, s.section.droppers, base),
+                1,
+                f"{s.name}.spans[{k + 1}]",
+                s.section.auxiliary.tension is not None,
+            )
         )
     )
 
@@ -200,6 +216,15 @@ class _Section:
         if not bending:
             self.wire, self.upper = replace(self.wire, bending=0.0), replace(self.upper, bending=0.0)
             self.second = self.second and replace(self.second, bending=0.0)
+        self.auxiliary = s.section.auxiliary if s.section.auxiliary.tension is not None else None
+        if self.auxiliary is not None:
+            for key in ("mass", "height"):
+                if getattr(self.auxiliary, key) is None:
+                    raise BadInput(f"{s.name}.auxiliary", f"no {key}", f"the {key} of the auxiliary wire")
+        elif _says(s.section.main_droppers) or any(span.main_positions is not None for span in s.spans):
+            remedy = "Give auxiliary a tension, a mass and a height, or leave out main_droppers and main_positions."
+            raise BadInput(s.name, "droppers of an auxiliary wire that is not there", "an auxiliary wire", remedy)
+        self.bending = bending
         self.z = np.array([support.contact_height for support in s.supports]) - reference
         self.stitches = [
             (x, support.stitch) for x, support in zip(s.x[1:-1], s.supports[1:-1], strict=True) if support.stitch.half_length
@@ -213,7 +238,7 @@ class _Section:
             raise BadInput(f"{s.name}.stitch", "stitch wires that meet or leave the section", "shorter ones")
 
     def wires(self) -> list[Wire]:
-        """Contact wires, messenger, stitch wires."""
+        """Contact wires, messenger, auxiliary wire, stitch wires."""
         s, a, b = self.s, float(self.s.x[0]), float(self.s.x[-1])
         worn = tuple(
             Stretch(float(x), float(x + span.length), 1.0 - span.wear)
@@ -231,6 +256,10 @@ class _Section:
         if self.second is not None:
             w = self.second
             wires.append(Wire(SECOND, a, b, w.tension, w.mass, w.bending, ends, (), worn))
+        if self.auxiliary is not None:
+            own, above = self.auxiliary, self.auxiliary.height
+            EI = own.bending or 0.0 if self.bending else 0.0
+            wires.append(Wire(AUXILIARY, a, b, own.tension, own.mass, EI, (ends[0] + above, ends[1] + above)))
         wires += [
             Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, 0.0, clamped_to=self.messenger)
             for x, t in self.stitches
@@ -244,11 +273,12 @@ class _Section:
         rows: list[tuple[float, ...]] = []
         for k, (x, span) in enumerate(zip(self.s.x[:-1], self.s.spans, strict=True)):
             where = f"{self.s.name}.spans[{k + 1}]"
-            d = over(span.droppers, self.s.section.droppers, base)
-            for number, lane in ((1, self.contact), (2, SECOND))[: 1 if self.second is None else 2]:
-                own = _droppers(span, d, number, where)
+            contact = over(span.droppers, self.s.section.droppers, base)
+            main = over(self.s.section.main_droppers, base)
+            for number, lane, d in self._rows(contact, main):
+                own = _droppers(span, d, number, where, self.auxiliary is not None)
                 at = np.array([row.position for row in own])
-                heights, sag = self._heights(k, span, at, where)
+                heights, sag = self._heights(k, span, at, where, number)
                 for row, z in zip(own, heights.tolist(), strict=True):
                     one = over(row, Dropper(stiffness=d.stiffness, axial_stiffness=d.axial_stiffness))
                     per_length = 0.0 if row.mass is not None else d.mass_per_length or 0.0
@@ -259,7 +289,7 @@ class _Section:
                         (
                             round(place, 9),
                             lane,
-                            self._hangs_from(place, row, where),
+                            self._hangs_from(place, row, where, number),
                             _first(one.stiffness, SAID_BY_A_PARAMETER),
                             one.axial_stiffness or 0.0,
                             _first(row.mass, d.mass, 0.0 if per_length else SAID_BY_A_PARAMETER),
@@ -284,14 +314,28 @@ class _Section:
                 )
         return rows
 
-    def _hangs_from(self, x: float, row: Dropper, where: str) -> int:
+    def _rows(self, contact: DropperData, main: DropperData) -> Iterator[tuple[int, int, DropperData]]:
+        """Number of the contact wire, 0 for an auxiliary wire, its lane, and what its droppers have."""
+        yield 1, self.contact, contact
+        if self.second is not None:
+            yield 2, SECOND, contact
+        if self.auxiliary is not None:
+            yield 0, AUXILIARY, main
+
+    def _hangs_from(self, x: float, row: Dropper, where: str, number: int) -> int:
+        if self.auxiliary is not None and number > 0:
+            if row.hangs_from not in ("", "auxiliary"):
+                raise BadInput(where, f"a dropper of the contact wire at {x:g} m that hangs from {row.hangs_from!r}", "auxiliary")
+            return AUXILIARY
         under = any(abs(x - support) < t.half_length - 1e-6 for support, t in self.stitches)
         if row.hangs_from not in ("", name := "stitch" if under else "messenger"):
             raise BadInput(where, f"a dropper at {x:g} m that hangs from {row.hangs_from!r}", name, "Leave it out.")
         return self.stitch if under else self.messenger
 
-    def _heights(self, k: int, span: Span, at: np.ndarray, where: str) -> tuple[np.ndarray, float]:
-        """Heights of the clamps at rest, (n,) m, less a parabola of a depth, m."""
+    def _heights(self, k: int, span: Span, at: np.ndarray, where: str, number: int) -> tuple[np.ndarray, float]:
+        """Heights of the clamps at rest, (n,) m, less a parabola of a depth, m; number: of the contact wire, or 0."""
+        if number == 0 and self.auxiliary is not None:
+            return self.z[k] + (self.z[k + 1] - self.z[k]) * at / span.length + self.auxiliary.height, 0.0
         if span.heights is not None:
             if len(span.heights) != at.size:
                 raise BadInput(f"{where}.heights", f"{len(span.heights)} for {at.size} droppers", "one for each dropper")
@@ -341,11 +385,17 @@ class _Section:
         ]
 
 
-def _droppers(span: Span, d: DropperData, wire: int, where: str) -> list[Dropper]:
-    """Droppers of a contact wire in a span, one by one; wire: 1 or 2."""
+def _droppers(span: Span, d: DropperData, wire: int, where: str, compound: bool = False) -> list[Dropper]:
+    """Droppers of a wire in a span, one by one; wire: number of the contact wire, or 0 for the auxiliary wire of a compound line."""
     if span.dropper_list is None:
-        return [Dropper(position=float(x)) for x in _positions((span.positions, span.second_positions)[wire - 1], span, d, where)]
-    own = [row for row in span.dropper_list if (row.contact_wire or 1) == wire]
+        given = (span.main_positions, span.positions, span.second_positions)[wire]
+        return [Dropper(position=float(x)) for x in _positions(given, span, d, where)]
+
+    def carried(row: Dropper) -> float:
+        main = compound and row.hangs_from == "messenger" and row.contact_wire is None
+        return 0 if main else row.contact_wire or 1
+
+    own = [row for row in span.dropper_list if carried(row) == wire]
     if any(row.position is None for row in own):
         raise BadInput(f"{where}.dropper_list", "a dropper without position", "its position, m")
     _positions(tuple(row.position for row in own), span, d, where)

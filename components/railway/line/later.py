@@ -29,7 +29,7 @@ from ...core.errors import BadInput
 from ...core.kernels import DONE, kernel, kernel_tuple
 from .form import Form, Found, Z, find_form_at_rest, given_of, hang
 from .from_table import lay_out
-from .layout import GRAVITY, SECOND, Layout
+from .layout import AUXILIARY, GRAVITY, SECOND, Layout
 from .plan import (
     ADDED,
     CLAMPED_TO,
@@ -58,7 +58,8 @@ from .table import Line, over
 CONVERGED = 1e-10  # of the tension
 PASSES = 200
 EXPANSION = 1.7e-5  # 1/K, copper and its alloys, as read in a public source
-LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND}  # of the tables of a section
+# of the tables of a section; of those behind the first two only one is there, and only with its tension
+LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND, "auxiliary": AUXILIARY}
 
 
 @kernel_tuple
@@ -112,7 +113,7 @@ def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, s
     """Number of each wire that is a table of a section, the section and the table's key."""
     for i in range(len(line.sections)):
         for key, lane in LANES.items():
-            if key == "second_contact_wire" and line.sections[i].second_contact_wire.tension is None:
+            if lane > 1 and getattr(line.sections[i], key).tension is None:
                 continue
             lanes = [row for row, w in enumerate(layout.wires) if w.lane == lane + SECOND * (i % 2) and w.clamped_to is None]
             yield lanes[i // 2], i, key
@@ -234,7 +235,7 @@ def find_form_later(later, random, plan, given, filled, net):
         if plan.wires[k, CONTACT] >= 0:
             filled.mass[k] *= 1.0 - later.worn
     fill_droppers(plan.dropper_numbers, given, filled.dropper)  # for the lengths at rest, which they keep
-    for _ in range(PASSES):
+    for number in range(PASSES):
         moved = 0.0
         for k in range(plan.fixed.size):
             EA, wire = plan.fixed_numbers[k, 0], plan.fixed[k]
@@ -247,7 +248,7 @@ def find_form_later(later, random, plan, given, filled, net):
         if status != DONE:
             return status
         hang_as_cut(plan, filled, net)
-        if moved < CONVERGED:
+        if moved < CONVERGED and (number > 0 or plan.fixed.size == 0):  # the first tensions are those of the shape before
             return DONE
     filled.refused[0] = later.change
     return UNSETTLED

@@ -1,7 +1,7 @@
 """The parts of a line along the track, as plain data: the uniform catenary and a line from a table both become a `Layout`.
 
-Lanes are the rows of a mesh: 0 the contact wire, 1 its messenger, 2 a second contact wire, then further messengers and stitch
-wires. A wire takes its lane from one anchor to the other.
+Lanes are the rows of a mesh: 0 the contact wire, 1 its messenger, 2 a second contact wire or the auxiliary wire of a compound
+catenary, then further messengers and stitch wires. A wire takes its lane from one anchor to the other.
 
 A number that the line does not say is NaN: a parameter of `Catenary` takes its place, see `plan`.
 """
@@ -17,6 +17,7 @@ import numpy as np
 from ...core.errors import BadInput
 
 SECOND = 2  # lane of the second contact wire
+AUXILIARY = 2  # lane of the auxiliary wire: a compound catenary has no second contact wire
 GRAVITY = 9.81  # m/s²
 SAID_BY_A_PARAMETER = math.nan
 
@@ -87,7 +88,7 @@ class Droppers:
 
     axial_stiffness: N, over the length in the place of the stiffness, where it is positive.  mass_per_length: kg/m, times the
     length in the place of the mass, where it is positive.
-    height: of the contact wire's clamp at rest, m, without its sag; NaN where it follows from the cut length.
+    height: of the lower clamp at rest, m, without its sag; NaN where it follows from the cut length.
     sag: depth in m of a parabola between `first` and `last`, m in the span, at the place `within` it.
     cut_length, length, preload: what a table says of them, m, m, N; NaN where it says nothing.
     """
@@ -131,6 +132,7 @@ class Layout:
     droppers: Droppers
     holds: Holds
     contact_lanes: tuple[int, ...] = (0,)
+    auxiliary_lanes: tuple[int, ...] = ()
     # (k, 5): contact wire, position, stagger, kink, and the number of the wire whose tension times the kink is the force there
     lateral: np.ndarray = field(default_factory=lambda: np.zeros((0, 5)))
     reference: float = 0.0  # m, level in the line's table that heights count from

@@ -66,8 +66,8 @@ REFUSALS = {
     ),
     SHORT_DROPPER: Refusal(
         "the dropper at {refused[0]} m with a length of {refused[1]} m",
-        "a messenger above the contact wire",
-        "Raise the system height, or the tension of the messenger.",
+        "an upper wire above the lower one",
+        "Raise the system height, or the tension of the upper wire; or place an auxiliary wire between the others.",
     ),
     OTHER_LENGTH: Refusal("a length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
     OTHER_CUT: Refusal("a cut length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
@@ -103,7 +103,7 @@ class Given(NamedTuple):
 class Plan(NamedTuple):
     """A layout; f places, w wires, k stretches of wires, d droppers, h springs to the ground, t wires anchored at both ends."""
 
-    lanes: np.ndarray  # (W,) int, 1 for contact wires
+    lanes: np.ndarray  # (W,) int, 1 for contact wires, -1 for an auxiliary wire
     place: np.ndarray  # (f,) m
     wires: np.ndarray  # (w, 6) int
     wire_numbers: np.ndarray  # (w, 5)
@@ -151,6 +151,7 @@ def plan_of(layout: Layout, fixed: Sequence[tuple[int, float, float]] = ()) -> P
         stretches += [(row, part.start, part.end, 0.0, part.value) for part in w.masses]
     d, h, parts = layout.droppers, layout.holds, np.array(stretches).reshape(-1, 5)
     lanes = np.isin(np.arange(layout.lanes), layout.contact_lanes).astype(np.int64)
+    lanes[list(layout.auxiliary_lanes)] = -1
     thermal = np.array(fixed, dtype=float).reshape(-1, 3)
     return Plan(
         lanes,

@@ -65,6 +65,13 @@ class WireData:
 
 
 @dataclass(frozen=True)
+class Auxiliary(WireData):
+    """Auxiliary wire of a compound catenary: main droppers carry it, and it carries the contact wire's droppers. No `bending`: a string."""
+
+    height: Number = number("m", "its height at its droppers above the straight line between the contact heights", 1e-3)
+
+
+@dataclass(frozen=True)
 class Stitch:
     """Stitch (Y) wire: clamped to the messenger on both sides of a support, which it passes below without touching."""
 
@@ -93,8 +100,10 @@ class Dropper:
 
     position: Number = number("m", "position from the left support; in a CSV table, along the line")
     contact_wire: Number = number("1", "1, or 2 for a second contact wire", 1.0, 2.0)
-    hangs_from: str = words("messenger or stitch: follows from the position, and is compared")
-    height: Number = number("m", "wanted height of the contact wire at its clamp")
+    hangs_from: str = words(
+        "messenger, stitch or auxiliary: follows, and is compared; messenger makes it one of an auxiliary wire"
+    )
+    height: Number = number("m", "wanted height of the wire at its lower clamp")
     length: Number = number("m", "length under load: follows, and is compared", 1e-3)
     cut_length: Number = number("m", "length without load; beside a height it is compared", 1e-3)
     preload: Number = number("N", "tension at rest: follows, and is compared")
@@ -138,6 +147,7 @@ class Span:
     positions: tuple[float, ...] | None = numbers("m", "positions of the droppers from the left support; [] for none")
     heights: tuple[float, ...] | None = numbers("m", "heights of the contact wire at the droppers; left out, straight less sag")
     second_positions: tuple[float, ...] | None = numbers("m", "positions of the second contact wire's droppers")
+    main_positions: tuple[float, ...] | None = numbers("m", "positions of the auxiliary wire's droppers")
     dropper_list: tuple[Dropper, ...] | None = tables(
         Dropper, "droppers one by one, from left to right; a number is a position", "position", None
     )
@@ -155,8 +165,10 @@ class Section:
     contact_wire: WireData = table(WireData, "contact wire")
     second_contact_wire: WireData = table(WireData, "second contact wire, beside the first; with its tension there is one")
     messenger: WireData = table(WireData, "messenger wire")
+    auxiliary: Auxiliary = table(Auxiliary, "auxiliary wire of a compound catenary; with its tension there is one")
     stitch: Stitch = table(Stitch, "stitch wires at all supports but the anchors")
     droppers: DropperData = table(DropperData, "droppers of all spans")
+    main_droppers: DropperData = table(DropperData, "droppers of the auxiliary wire, which hang from the messenger")
     span: Span = table(Span, "what all spans have that do not say otherwise")
     support: Support = table(Support, "what all supports have that do not say otherwise")
     spans: tuple[Span, ...] = tables(Span, "spans, one after the other; a number is a length", "length")
@@ -186,6 +198,7 @@ ALTERNATIVES: dict[type, tuple[tuple[str, ...], ...]] = {
         ("dropper_list", "positions"),
         ("dropper_list", "heights"),
         ("dropper_list", "second_positions"),
+        ("dropper_list", "main_positions"),
     ),
 }
 

@@ -88,16 +88,25 @@ def _which(form: Form, k: int) -> str:
 
 
 def _wire(form: Form, lane: int) -> str:
+    """What a wire is called."""
+    if lane in form.layout.contact_lanes:
+        return "contact wire"
+    if lane in form.layout.auxiliary_lanes:
+        return "auxiliary"
     stitch = any(w.lane == lane and w.clamped_to is not None for w in form.layout.wires)
     return "stitch" if stitch else "messenger"
 
 
+DRAWN = {"contact wire": "=", "messenger": "-", "stitch": "~", "auxiliary": "~"}  # a line has stitch wires or an auxiliary wire
+COLOURS = {"messenger": "currentColor", "stitch": "#E69F00", "auxiliary": "#009E73"}
+
+
 def dropper_rows(form: Form) -> list[tuple[Any, ...]]:
-    """A row a dropper, columns `DROPPER_COLUMNS`; heights as in the line's table."""
+    """A row a dropper, columns `DROPPER_COLUMNS`; heights as in the line's table. One of an auxiliary wire has no contact wire."""
     d, half = form.layout.droppers, 0.5 * form.layout.droppers.mass
     numbers = (form.length, form.cut_length, form.preload, d.stiffness, d.mass, d.mass_below - half, d.mass_above - half)
     return [
-        (x, lower // 2 + 1, _wire(form, upper), z, *rest)
+        (x, lower // 2 + 1 if lower in form.layout.contact_lanes else "", _wire(form, upper), z, *rest)
         for x, lower, upper, z, *rest in zip(
             d.position, d.lower, d.upper, d.height + form.layout.reference, *numbers, strict=True
         )
@@ -163,13 +172,14 @@ def text_drawing(form: Form, width: int = WIDTH) -> str:
             x = left + (right - left) * column / (width - 1)
             if line[0, 0] <= x <= line[-1, 0]:
                 row, _ = place(x, float(np.interp(x, line[:, 0], line[:, 1])))
-                rows[row][column] = "=" if wire.lane in form.layout.contact_lanes else "~" if wire.clamped_to is not None else "-"
+                rows[row][column] = DRAWN[_wire(form, wire.lane)]
     marks = [" "] * width
     for x in form.layout.supports:
         marks[place(x, low)[1]] = "^"
     scale = (right - left) / (high - low) * HEIGHT / width * 2.0  # a character is twice as high as wide
     ends = f"{left:g} m" + f"{right:g} m".rjust(width - len(f"{left:g} m"))
-    legend = f"= contact wire  - messenger  ~ stitch  | dropper  ^ support; heights {scale:.0f} times as large as lengths"
+    between = "auxiliary" if form.layout.auxiliary_lanes else "stitch"
+    legend = f"= contact wire  - messenger  ~ {between}  | dropper  ^ support; heights {scale:.0f} times as large as lengths"
     return "\n".join(["".join(row).rstrip() for row in rows] + ["".join(marks).rstrip(), ends, legend])
 
 
@@ -218,15 +228,7 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
             parts.append(path([(x, z), (x, z + length)], stroke="currentColor", stroke_width="1"))
     for shape, wire in zip(shapes, form.layout.wires, strict=True):
         contact = wire.lane in form.layout.contact_lanes
-        colour = (
-            "#0072B2"
-            if wire.lane == 0
-            else "#CC3311"
-            if contact
-            else "#E69F00"
-            if wire.clamped_to is not None
-            else "currentColor"
-        )
+        colour = ("#0072B2" if wire.lane == 0 else "#CC3311") if contact else COLOURS[_wire(form, wire.lane)]
         if shape:
             parts.append(path(shape, stroke=colour, stroke_width="2.5" if contact else "1.5"))
     if staggered:

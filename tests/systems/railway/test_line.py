@@ -324,7 +324,7 @@ def test_an_arm_is_a_spring_beside_the_compliance_of_the_wire():
         ("[[sections]\nspans", "syntax error"),
         ("[[sections]]\nspans = [" + 5000 * "5" + "]", "syntax error"),
         ("[[sections]]\nspans = [" + 400 * "5" + "]", r"spans\[1\].*a number in m"),
-        ("[[sections]]\nspans = [50, 50]\nsupport = { system_height = 0.2 }", "above the contact wire"),
+        ("[[sections]]\nspans = [50, 50]\nsupport = { system_height = 0.2 }", "above the lower one"),
         ("[[sections]]\nspans = [50]\n[[sections]]\nstart = 70.0\nspans = [50]", "a position in section 1"),
         ("[[sections]]\nspans = [50]\ndroppers = { stiffness = 1e5, axial_stiffness = 2e5 }", "only one would have an effect"),
         ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0], sag = 0.1 }]", "heights and sag"),

@@ -59,14 +59,15 @@ def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter
         upper = np.interp(place, *rest(1)) + messenger[k]
         segments: dict[bool, tuple[list[float], list[float]]] = {False: ([], []), True: ([], [])}
         d = form.layout.droppers
-        for position, top, bottom, length in zip(d.position, d.upper, d.height, form.length, strict=True):
+        for position, low_end, top, bottom, length in zip(d.position, d.lower, d.upper, d.height, form.length, strict=True):
             if not low <= position <= high:
                 continue
             cell = int(np.floor(position - place[0] + 0.5))
             seen = 0 <= cell < offsets.size and position >= place[0]
             slack = bool(seen and tension[k, cell] == 0.0)
             head = bottom + length + offset + (np.interp(position, place, messenger[k]) if seen and top == 1 else 0.0)
-            foot = np.interp(position, place, contact[k]) if seen else bottom
+            on_contact_wire = low_end not in form.layout.auxiliary_lanes
+            foot = np.interp(position, place, contact[k]) if seen and on_contact_wire else bottom
             xs, ys = segments[slack]
             xs += [position, position, np.nan]
             ys += [foot, head, np.nan]
