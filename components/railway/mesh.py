@@ -431,8 +431,7 @@ def add_fittings(mesh, plan, filled, grid, space):
 def hang_wires_on_droppers(mesh, plan, filled, grid, space, sag):
     """Heights of the contact wires under their own weight, held by droppers and arms, and the tensions of the droppers.
 
-    An auxiliary wire hangs likewise, behind the contact wires, whose droppers it carries.
-    sag: whether heights keep it; else they are straight lines between clamps.
+    So does an auxiliary wire, behind those that it carries.  sag: whether heights keep it; else they are straight between clamps.
     """
     n, W, L, held, y = mesh.position.size, mesh.bending_gradient.size, mesh.length, space.nodal[HELD], space.nodal[SHAPE]
     mesh.height[:] = NO_WIRE
