@@ -6,6 +6,7 @@ A statement is one of Python's grammar (`ast.stmt`) that is no docstring: lines 
 from __future__ import annotations
 
 import ast
+import functools
 import re
 from collections import Counter
 from pathlib import Path
@@ -33,6 +34,7 @@ def folder(path: str) -> str:
     return parts[0] if len(parts) > 1 else "cosimo"
 
 
+@functools.cache
 def counted() -> Counter[str]:
     """Folder -> statements of the files that the tree ships."""
     sizes: Counter[str] = Counter()
