@@ -19,11 +19,17 @@ ROW = re.compile(r"^\| `([\w/]+)` \| (\d*) \| (\d+) \|$", re.MULTILINE)
 
 def statements(path: Path) -> int:
     """Number of statements of a file."""
-    return sum(
-        isinstance(node, ast.stmt)
-        and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str))
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    )
+    return statements_in(ast.parse(path.read_text(encoding="utf-8")))
+
+
+def statements_in(node: ast.AST) -> int:
+    """Of the blocks of a node: expressions, nine tenths of a tree, have none."""
+    count = 0
+    for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for child in getattr(node, block, ()):
+            text = isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant) and isinstance(child.value.value, str)
+            count += (isinstance(child, ast.stmt) and not text) + statements_in(child)
+    return count
 
 
 def folder(path: str) -> str:

@@ -13,49 +13,51 @@ LEFT = 20  # uses in other folders, and of names that other packages have, too
 OF_NAMED_TUPLES = {"_fields", "_replace", "_asdict", "_make"}
 
 
-def bound(tree: ast.Module) -> set[str]:
-    """Private names that a source binds itself: functions, classes, variables, and attributes of `self`."""
-    names: set[str] = set()
-    for node in ast.walk(tree):
+def names_of(source: str) -> tuple[set[str], list[tuple[str, str]]]:
+    """Private names of a source: those that it binds, and (name, text) of those that it takes from something other than itself.
+
+    Bound are functions, classes, variables, and attributes of `self`. In one walk: the tree has hundreds of thousands of nodes.
+    """
+    own: set[str] = set()
+    taken = []
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            names.add(node.name)
-        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            names.add(node.id)
-        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and of_self(node):
-            names.add(node.attr)
-    return {name for name in names if name.startswith("_") and not name.endswith("_")} - OF_NAMED_TUPLES
-
-
-def used(tree: ast.Module, private: set[str]) -> list[str]:
-    """Those of the private names that a source imports, or reads from something other than itself, and does not bind itself."""
-    found, wanted = [], private - bound(tree)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            found += [alias.name for alias in node.names if alias.name in wanted]
-        elif isinstance(node, ast.Attribute) and node.attr in wanted and not of_self(node):
-            found.append(ast.unparse(node))
-    return found
-
-
-def of_self(node: ast.Attribute) -> bool:
-    return ast.unparse(node.value) in ("self", "cls", "super()")
+            own.add(node.name)
+        elif isinstance(node, ast.Name):
+            if isinstance(node.ctx, ast.Store):
+                own.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            if node.attr.startswith("_"):
+                of_self = ast.unparse(node.value) in ("self", "cls", "super()")
+                if of_self and isinstance(node.ctx, ast.Store):
+                    own.add(node.attr)
+                elif not of_self:
+                    taken.append((node.attr, ast.unparse(node)))
+        elif isinstance(node, ast.ImportFrom):
+            taken += [(alias.name, alias.name) for alias in node.names]
+    return {name for name in own if name.startswith("_") and not name.endswith("_")} - OF_NAMED_TUPLES, taken
 
 
 @functools.cache
 def uses() -> dict:
     """Path -> texts of uses, of the modules that have some. Asked for by tests: each worker of xdist imports this module."""
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for package in PACKAGES for path in modules(package)}
-    private = set().union(*map(bound, trees.values()))  # of the project: other packages have their own
-    return {path: names for path, tree in trees.items() if (names := used(tree, private))}
+    found = {path: names_of(path.read_text(encoding="utf-8")) for package in PACKAGES for path in modules(package)}
+    private = set().union(*(own for own, _ in found.values()))  # of the project: other packages have their own
+    return {path: texts for path, (own, taken) in found.items() if (texts := used(own, taken, private))}
+
+
+def used(own: set[str], taken: list[tuple[str, str]], private: set[str]) -> list[str]:
+    """Texts of what a source takes of the private names and does not bind itself."""
+    return [text for name, text in taken if name in private and name not in own]
 
 
 def test_uses_of_privates_are_seen():
     last = "return o._f + self._b + o._replace()"
-    tree = ast.parse(
+    own, taken = names_of(
         f"from .a import _b, c\nclass D:\n    def __init__(self, e):\n        self._f = e._g\n    def h(self, o):\n        {last}"
     )
-    assert bound(tree) == {"_f"}
-    assert used(tree, {"_b", "_f", "_g"}) == ["_b", "e._g"]
+    assert own == {"_f"}
+    assert used(own, taken, {"_b", "_f", "_g"}) == ["_b", "e._g"]
 
 
 @pytest.mark.parametrize("folder", CLEAN)
