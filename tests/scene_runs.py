@@ -6,9 +6,9 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import Scene
 
 
-def finished(scene: Scene, **options) -> Result:
-    """The result of a run in process that came to its end."""
-    result = run(scene, in_process=True, **options)
+def finished(scene: Scene, *, in_process: bool = True, **options) -> Result:
+    """The result of a run that came to its end; options: of `run`."""
+    result = run(scene, in_process=in_process, **options)
     assert result.outcome == "done", result.message
     return result
 

@@ -9,7 +9,8 @@ cut so that the first gets the force f and the second, which owns the coupling s
 
 import math
 import signal
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from cosimo.components.bearings.ball_bearing import BallBearing
@@ -188,13 +189,18 @@ def signal_inside_a_library(number: int) -> None:
     TypeAdapter(Annotated[int, PlainSerializer(signal.raise_signal)]).dump_python(number)
 
 
+AComponent = TypeVar("AComponent", bound=Component)
 RPM = 2.0 * math.pi / 60.0
+
+
+def initialized(component: AComponent, inputs: Mapping[str, Any] | None = None) -> AComponent:
+    """The component with values of inputs, initialized at 0 s."""
+    for name, value in (inputs or {}).items():
+        component.set(name, value)
+    component.initialize(0.0)
+    return component
 
 
 def ball_bearing(effects=(), parameters=None, rpm=1000.0, **inputs) -> BallBearing:
     """The bearing with two degrees of freedom at a speed, with values of inputs, initialized."""
-    bearing = BallBearing(effects, parameters)
-    for name, value in {"speed": rpm * RPM, **inputs}.items():
-        bearing.set(name, value)
-    bearing.initialize(0.0)
-    return bearing
+    return initialized(BallBearing(effects, parameters), {"speed": rpm * RPM, **inputs})

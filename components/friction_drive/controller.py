@@ -63,7 +63,6 @@ class ServoController(SampledComponent):
 
     title = "Controller of a friction-wheel drive"
     system = "friction_drive"
-    default_step = 1e-3
     start_inputs = ("first_angle", "second_angle", "first_rate", "second_rate", "feed", "rotation")  # sampled at the start
 
     quantisation = Quantisation

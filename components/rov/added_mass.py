@@ -18,7 +18,6 @@ class AddedMassForce(StatelessComponent):
 
     title = "Added mass as a force beside the hull"
     system = "rov"
-    start_inputs = ()
     default_step = 0.02
     default_stop = 10.0
 

@@ -68,7 +68,6 @@ class FourBar(StatelessComponent):
 
     title = "Planar four-bar linkage"
     system = "wrist"
-    start_inputs = ()
 
     pin_damping = PinDamping
     rocker_spring = RockerSpring

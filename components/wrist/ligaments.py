@@ -82,7 +82,6 @@ class LigamentBundle(StatelessComponent):
 
     title = "Ligaments of the wrist"
     system = "wrist"
-    start_inputs = ()
 
     coupling_model = choice("rules", COUPLING_MODELS, "how the rows of the wrist share the motion")
     proximal_tilt = parameter(PROXIMAL_TILT, "rad", "tilt of the proximal row's axis from that of flexion, towards deviation")

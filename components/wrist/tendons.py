@@ -87,7 +87,6 @@ class ForearmTendons(OdeComponent):
     title = "Muscles of the forearm with their tendons over the wrist"
     system = "wrist"
     start_inputs = ("excitation",)
-    default_stop = 1.0
 
     programme = Programme
     fibres = Fibres

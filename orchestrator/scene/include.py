@@ -13,7 +13,7 @@ from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
-from ..settings.names import TABLE_FORM, prefixed, split_name
+from ..settings.names import TABLE_FORM, names_in, prefixed, split_name
 from ..units.kinds import kind_of_entry
 from .files import read_file, scene_path, table_text
 from .modules import find_beside
@@ -48,7 +48,7 @@ def expanded(
             entries = {f"{entry}.{n}": u for n, u in part["units"].items()}
             added["connections"] += (_prefixed(c, entry, part["units"], name) for c in part.get("connections", ()))
             added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
-            pairs = {", ".join(f"{entry}.{n.strip()}" for n in p.split(",")): r for p, r in part.get("correlations", {}).items()}
+            pairs = {", ".join(f"{entry}.{n}" for n in names_in(p)): r for p, r in part.get("correlations", {}).items()}
             correlations |= pairs
             remarks += messages
         if twice := entries.keys() & units.keys():
@@ -59,13 +59,9 @@ def expanded(
         if more and isinstance(own := data.get(key, []), list | tuple):
             joined[key] = [*own, *more]
     if correlations and isinstance(own := data.get("correlations", {}), Mapping):
-        given = [_pair(p) for p in own]  # which the including scene says otherwise
-        joined["correlations"] = {**{p: r for p, r in correlations.items() if _pair(p) not in given}, **own}
+        given = [{*names_in(p)} for p in own]  # which the including scene says otherwise
+        joined["correlations"] = {**{p: r for p, r in correlations.items() if {*names_in(p)} not in given}, **own}
     return {**data, **joined, "units": units}, tuple(remarks)
-
-
-def _pair(names: str) -> set[str]:
-    return {name.strip() for name in names.split(",")}
 
 
 def _part(

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import Variable
 from ..settings import SceneSettings, UnitSettings
-from ..settings.names import split_name
+from ..settings.names import names_in, split_name
 from ..units.kinds import KEYS, OF_A_KIND, UnitKind, kind_of
 
 AnyScene = TypeVar("AnyScene", bound=SceneSettings)
@@ -140,10 +140,11 @@ def _drop(data: dict[str, Any], unit: str, gone: Callable[[str], bool]) -> None:
         if key in table:
             table[key] = {n: v for n, v in table[key].items() if not gone(n)}
     if pairs := data.get("correlations"):
-        ends = {pair: [n.strip() for n in pair.split(",")] for pair in pairs}
         own = f"{unit}."
         data["correlations"] = {
-            p: pairs[p] for p in pairs if not any(n.startswith(own) and gone(n.removeprefix(own)) for n in ends[p])
+            pair: r
+            for pair, r in pairs.items()
+            if not any(n.startswith(own) and gone(n.removeprefix(own)) for n in names_in(pair))
         }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ...components.core.measure import number_in
+from ..settings.names import names_in
 from ..units.component import make
 from .names import declared, place_of
 from .written_units import tolerance_of
@@ -51,7 +52,7 @@ def tolerances_of(scene: Scene) -> Tolerances | None:
     names = tuple(values)
     correlation = np.eye(len(names))
     for pair, r in scene.correlations.items():
-        i, j = (names.index(name.strip()) for name in pair.split(","))
+        i, j = (names.index(name) for name in names_in(pair))
         correlation[i, j] = correlation[j, i] = r
     if np.linalg.eigvalsh(correlation)[0] < -1e-9:
         raise BadInput(
@@ -81,5 +82,5 @@ def with_tolerances(scene: Scene, names: Sequence[str], covariance: np.ndarray) 
     pairs = {  # of deviations that are 0 there is none
         f"{a}, {b}": float(r) for n, (a, i) in enumerate(known) for b, j in known[:n] if np.isfinite(r := correlation[i, j]) and r
     }
-    others = {p: r for p, r in scene.correlations.items() if not {n.strip() for n in p.split(",")} & {n for n, _ in known}}
+    others = {p: r for p, r in scene.correlations.items() if not {*names_in(p)} & {n for n, _ in known}}
     return scene.with_changes({**{f"units.{u}.tolerances": t for u, t in units.items()}, "correlations": others | pairs})

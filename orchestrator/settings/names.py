@@ -27,6 +27,11 @@ def split_name(text: str, units: Collection[str]) -> tuple[str, str]:
     return unit, text[len(unit) + 1 :]
 
 
+def names_in(pair: str) -> tuple[str, ...]:
+    """The names of "unit.parameter, unit.parameter", a key of [correlations]."""
+    return tuple(name.strip() for name in pair.split(","))
+
+
 def readings(text: str, units: Collection[str]) -> list[Reading]:
     """All ways to read the text of a connection in which both ends begin with a unit.
 

@@ -13,6 +13,7 @@ from .document import DocumentSettings
 from .explore import ExploreSettings
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Time, Truth, Whole
+from .names import names_in
 from .plan import RunLimits
 from .study import RUNNING_KINDS, StudySettings
 from .units import OrSubsystem, UnitSettings
@@ -273,7 +274,7 @@ class SceneSettings(Model):
         known = [f"{unit}.{name}" for unit, settings in self.units.items() for name in settings.tolerances]
         before: list[set[str]] = []
         for pair in self.correlations:
-            names = [name.strip() for name in pair.split(",")]
+            names = names_in(pair)
             if set(names) in before:
                 raise BadInput("correlations", f"{pair!r} twice", "each pair once, in one order", "Remove one.")
             before.append(set(names))

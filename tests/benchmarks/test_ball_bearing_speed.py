@@ -11,6 +11,7 @@ import time
 import numpy as np
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.dimensionless import scales
+from cosimo.tests.support import initialized
 from numba import njit
 from scipy.integrate import solve_ivp
 
@@ -21,9 +22,7 @@ WANTED = 1e-3  # largest error of x and y over the largest x
 
 
 def bearing(substep):
-    made = BallBearing(["clearance"], {"clearance.radial_clearance": GAP, "speed": SPEED, "substep": substep})
-    made.initialize(0.0)
-    return made
+    return initialized(BallBearing(["clearance"], {"clearance.radial_clearance": GAP, "speed": SPEED, "substep": substep}))
 
 
 def motion(substep):

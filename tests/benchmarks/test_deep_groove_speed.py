@@ -13,6 +13,7 @@ from cosimo.components.bearings.hertz import effective_modulus
 from cosimo.components.bearings.loads import static_loads
 from cosimo.components.bearings.motion import DISPLACEMENT
 from cosimo.components.bearings.six_dof import bearing_outputs
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.bearings.ring_contacts import ball_contacts
 
 njit = pytest.importorskip("numba").njit
@@ -42,8 +43,7 @@ def turning(effects, parameters):
     bearing = DeepGrooveBearing(effects, parameters)
     for name, value in zip((*DISPLACEMENT, "speed"), (8e-6, -6e-6, 2e-5, 2e-4, 1e-4, 314.0), strict=True):
         bearing.set(name, value)
-    bearing.initialize(0.0)
-    return bearing
+    return initialized(bearing)
 
 
 def shortest(call, runs=7):

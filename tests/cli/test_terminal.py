@@ -8,7 +8,6 @@ import sys
 import time
 
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import GROUPS, app, first_sentence, print_table
 from cosimo.tests.commands import exit_code
 from typer.main import get_command
@@ -50,8 +49,7 @@ def started(*arguments, **more):
 
 
 def test_every_command_is_in_a_group_with_a_whole_sentence(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
+    exit_code("--help")
     text = " ".join(capsys.readouterr().out.split())
     commands = get_command(app).commands
     assert {name for names in GROUPS.values() for name in names} >= {*commands}
@@ -124,8 +122,7 @@ def test_open_wants_a_report(tmp_path, capsys, monkeypatch):
     (tmp_path / "report.html").write_text("<p>")
     opened = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
-    with pytest.raises(SystemExit):
-        main(["open", str(tmp_path)])
+    exit_code("open", tmp_path)
     assert opened == [(tmp_path / "report.html").as_uri()]
     assert exit_code("open", str(tmp_path / "nothing")) == 2
     assert "report.html" in capsys.readouterr().err

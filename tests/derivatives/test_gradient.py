@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.scene.names import numerical_of
+from cosimo.tests.commands import exit_code
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 FIGURE = "mass.base_x, maximum"
@@ -150,9 +150,7 @@ def test_a_session_takes_its_parameters_along(scene):
 
 def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
     wanted = ("--of", FIGURE, "--by", "mass.mass", "--stop", "0.2", "-o", str(tmp_path / "out"))
-    with pytest.raises(SystemExit) as end:
-        main(("gradient", "mass-on-spring", *wanted))
-    assert not end.value.code
+    assert exit_code("gradient", "mass-on-spring", *wanted) == 0
     assert "mass.mass" in capsys.readouterr().out
     rows = list(csv.DictReader((tmp_path / "out" / "gradient.csv").read_text().splitlines()))
     assert [(row["figure"], row["parameter"], row["how"]) for row in rows] == [(FIGURE, "mass.mass", "exact")]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.derivatives.linear import Linear
 from cosimo.orchestrator.harness.report.studies.modes import nyquist
 from cosimo.orchestrator.harness.studies.modes import modes
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.derivatives.test_coupled_step import by_hand, on_spring
 from scipy.io import loadmat
 from scipy.linalg import expm
@@ -269,15 +269,12 @@ def test_a_drive_that_sticks_is_refused_and_in_motion_has_modes():
 
 
 def test_the_command_writes_tables_matrices_and_a_page(tmp_path, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(("modes", "mass-on-spring", "--at", "0.1", "--inputs", INPUT, "-o", str(tmp_path / "one"), "--json"))
-    assert not end.value.code
+    assert exit_code("modes", "mass-on-spring", "--at", "0.1", "--inputs", INPUT, "-o", tmp_path / "one", "--json") == 0
     rows = json.loads(capsys.readouterr().out)["modes"]
     assert [row["frequency, Hz"] for row in rows if row["kind"] == "coupling"] == [pytest.approx(1.56, abs=0.01)]
     assert {f.name for f in (tmp_path / "one").iterdir()} == {"modes.csv", "linear.npz", "linear.mat", "report.html"}
     assert f"By {INPUT}" in (tmp_path / "one" / "report.html").read_text()
-    with pytest.raises(SystemExit):
-        main(("modes", "mass-on-spring", "--over", "spring.stiffness=100,400", "-o", str(tmp_path / "over")))
+    exit_code("modes", "mass-on-spring", "--over", "spring.stiffness=100,400", "-o", tmp_path / "over")
     table = list(csv.reader((tmp_path / "over" / "modes.csv").read_text().splitlines()))
     for stiffness, row in zip((100.0, 400.0), (row for row in table[1:] if row[4] == "coupling"), strict=True):
         eigenvalues = np.linalg.eigvals(by_hand(1, 5e-3, k=stiffness, c=4.0))

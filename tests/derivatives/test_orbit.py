@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from scipy.integrate import solve_ivp
 
 if COMPILED:
@@ -200,9 +200,7 @@ def test_motions_are_those_of_runs_by_scipy():
 
 def test_a_map_of_orbits_over_two_parameters(tmp_path, capsys):
     over = ("--over", "bearing.speed=100:120:3", "--over", "bearing.clearance.radial_clearance=10e-6,25e-6", "--exponents", "200")
-    with pytest.raises(SystemExit) as end:
-        main(("orbit", "ball-bearing-clearance", *over, "-o", str(tmp_path), "--json"))
-    assert not end.value.code
+    assert exit_code("orbit", "ball-bearing-clearance", *over, "-o", tmp_path, "--json") == 0
     data = json.loads(capsys.readouterr().out)
     assert [row["value"] for row in data["rows"]] == [10e-6, 25e-6]
     first, second = ([motion[:4] for motion in row["motions"]] for row in data["rows"])
@@ -228,9 +226,7 @@ def test_what_has_no_orbit_is_refused_with_the_reason():
 def test_the_command_writes_tables_and_a_page_by_the_section_of_the_scene(tmp_path, capsys):
     clearance = ("--set", "bearing.clearance.radial_clearance=10e-6")
     options = (*clearance, "--over", "bearing.speed=62:68:7", "-o", str(tmp_path), "--json")
-    with pytest.raises(SystemExit) as end:
-        main(("orbit", "ball-bearing-clearance", *options))
-    assert not end.value.code
+    assert exit_code("orbit", "ball-bearing-clearance", *options) == 0
     (branch,) = json.loads(capsys.readouterr().out)["branches"]
     kinds = [mark["kind"] for mark in branch["bifurcations"]]
     assert kinds == ["fold", "fold", "Neimark-Sacker", "Neimark-Sacker", "fold", "fold"]

@@ -11,7 +11,6 @@ import pytest
 import tomli_w
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.derivatives import gradient
 from cosimo.orchestrator.derivatives.along import PointDerivatives
 from cosimo.orchestrator.harness.summary import with_errors_of
@@ -23,6 +22,7 @@ from cosimo.orchestrator.run.work import beginning
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.tolerances import tolerances_of, with_tolerances
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 
 NAMES = "pantograph.head_mass", "pantograph.static_force"
@@ -156,9 +156,7 @@ def test_without_tolerances_nothing_is_called_or_written(scene, monkeypatch, tmp
 @compiled
 def test_the_command_prints_both_errors(scene, tmp_path, capsys):
     path = write_scene(scene.with_changes(TOLERANCES), tmp_path / "scene.toml")
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(path), "--in-process", "-o", str(tmp_path / "out")])
-    assert not end.value.code
+    assert exit_code("run", path, "--in-process", "-o", tmp_path / "out") == 0
     assert "(parameters)" in capsys.readouterr().out
     figures = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert figures["pantograph.std"]["parameters"] > 10.0 * figures["pantograph.std"]["error"] > 0.0

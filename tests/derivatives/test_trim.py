@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from scipy.optimize import brentq
 
 if COMPILED:
@@ -202,14 +202,11 @@ def test_the_command_writes_a_table_matrices_and_a_page(tmp_path, capsys):
     path = tmp_path / "pump.toml"
     cosimo.write_scene(wind_pump(), path)
     options = ("--free", "turbine.wind", "--want", "converter.speed=3", "--inputs", "converter.load_torque")
-    with pytest.raises(SystemExit) as end:
-        main(("trim", str(path), *options, "-o", str(tmp_path / "one"), "--json"))
-    assert not end.value.code
+    assert exit_code("trim", path, *options, "-o", tmp_path / "one", "--json") == 0
     (point,) = json.loads(capsys.readouterr().out)["points"]
     assert point["free"]["turbine.wind"] == pytest.approx(3.127600699)
     assert {f.name for f in (tmp_path / "one").iterdir()} == {"trim.csv", "linear.npz", "linear.mat", "report.html"}
     assert "Nyquist plot" in (tmp_path / "one" / "report.html").read_text()
-    with pytest.raises(SystemExit):
-        main(("trim", str(path), "--over", "turbine.wind=2:6:3", "-o", str(tmp_path / "over")))
+    exit_code("trim", path, "--over", "turbine.wind=2:6:3", "-o", tmp_path / "over")
     rows = (tmp_path / "over" / "trim.csv").read_text().splitlines()
     assert [row.partition(",")[0] for row in rows[1:]] == ["2.0", "4.0", "6.0"]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.estimation.beliefs import Extended
 from cosimo.orchestrator.estimation.bounds import Bounds
+from cosimo.tests.commands import exit_code
 from cosimo.tests.estimation.oscillator import SIGNAL, Oscillator
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
@@ -45,9 +45,7 @@ def folder(tmp_path):
 
 def test_a_command_gives_state_parameters_bands_and_a_verdict(folder, capsys):
     out = folder / "out"
-    with pytest.raises(SystemExit) as end:
-        main(["estimate", "mass-on-spring", "--plan", str(folder / "plan.toml"), *SETTINGS, "-o", str(out)])
-    assert end.value.code == 0
+    assert exit_code("estimate", "mass-on-spring", "--plan", folder / "plan.toml", *SETTINGS, "-o", out) == 0
     assert "The model explains the measurement." in capsys.readouterr().out
     answer = json.loads((out / "estimate.json").read_text())
     k = answer["parameters"]["spring.stiffness"]
@@ -61,33 +59,29 @@ def test_a_command_gives_state_parameters_bands_and_a_verdict(folder, capsys):
 
 def test_a_command_ends_with_1_where_the_model_does_not_explain(folder, capsys):
     plan = str(folder / "plan.toml")
-    with pytest.raises(SystemExit) as end:
-        main(
-            [
-                "estimate",
-                "mass-on-spring",
-                "--plan",
-                plan,
-                "--no-verify",
-                "--set",
-                "spring.damping=4.0",
-                "--step",
-                "0.01",
-                "-o",
-                str(folder / "out"),
-            ]
+    assert (
+        exit_code(
+            "estimate",
+            "mass-on-spring",
+            "--plan",
+            plan,
+            "--no-verify",
+            "--set",
+            "spring.damping=4.0",
+            "--step",
+            "0.01",
+            "-o",
+            folder / "out",
         )
-    assert end.value.code == 1
+        == 1
+    )
     assert "spring.damping" in capsys.readouterr().err
 
 
 def test_a_new_plan_runs_as_it_is(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit):
-        main(["new", "plan", "plan.toml", "mass-on-spring", "--signal", "mass.base_x", "--unknown", "spring.stiffness"])
-    with pytest.raises(SystemExit) as end:
-        main(["estimate", "mass-on-spring", "--plan", "plan.toml", "--no-verify", "-o", "out"])
-    assert end.value.code == 0
+    exit_code("new", "plan", "plan.toml", "mass-on-spring", "--signal", "mass.base_x", "--unknown", "spring.stiffness")
+    assert exit_code("estimate", "mass-on-spring", "--plan", "plan.toml", "--no-verify", "-o", "out") == 0
     assert "explains the measurement" in capsys.readouterr().out
 
 

@@ -8,6 +8,7 @@ from cosimo.orchestrator.judgement.verification import run_verified
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.commands import exit_code
+from cosimo.tests.scene_runs import finished
 
 pytestmark = pytest.mark.full
 
@@ -31,8 +32,7 @@ def values(result) -> np.ndarray:
 
 
 def test_near_the_wave_speed_the_run_ends_and_stays_bounded():
-    result = run(load_scene("critical-speed"), in_process=True)
-    assert result.outcome == "done"
+    result = finished(load_scene("critical-speed"))
     assert result.time[-1] == 7.0
     assert np.isfinite(values(result)).all()
     t, force, frame = result.time, result["pantograph.contact_force"], result["pantograph.frame_height"]
@@ -97,16 +97,14 @@ def test_a_substep_beyond_the_limit_is_bad_input_on_either_way(way, capsys):
 
 
 def test_at_zero_speed_the_static_equilibrium_is_kept(scene):
-    result = run(scene.with_changes({"pantograph.speed": 0.0, "stop_time": 1.0}), in_process=True)
-    assert result.outcome == "done"
+    result = finished(scene.with_changes({"pantograph.speed": 0.0, "stop_time": 1.0}))
     # Rounding of heights near 0.05 m (7e-18 each) through a contact spring of 5e4 N/m, 1000 steps of a damped system.
     assert np.ptp(result["pantograph.contact_force"]) < 1e-9
     assert np.ptp(result["catenary.wire_height"]) < 1e-13
 
 
 def test_without_static_force_nothing_pulls_and_nothing_breaks(scene):
-    result = run(scene.with_changes({"pantograph.static_force": 0.0, "stop_time": 2.0}), in_process=True)
-    assert result.outcome == "done"
+    result = finished(scene.with_changes({"pantograph.static_force": 0.0, "stop_time": 2.0}))
     assert np.isfinite(values(result)).all()
     assert result["pantograph.contact_force"].min() == 0.0
     # Only the wire's own sag (2 cm between droppers 6.5 m apart) touches the head that rests at dropper level.
@@ -117,8 +115,7 @@ def test_the_error_of_a_moving_window_grows_as_it_shrinks(scene, reference):
     deviation = []
     for length in (120.0, 60.0, 30.0, 15.0):
         cut = scene.with_changes({"units.catenary.effects": [*EFFECTS, "moving_window"], "catenary.moving_window.behind": length})
-        result = run(cut, in_process=True)
-        assert result.outcome == "done"
+        result = finished(cut)
         assert np.isfinite(values(result)).all()
         deviation.append(float(np.std(result["pantograph.contact_force"] - reference["pantograph.contact_force"])))
     assert deviation == sorted(deviation)

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import cosimo
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.repetition import NONE_REPEATED
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings
 from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.run.run_record import VerificationRecord
+from cosimo.tests.commands import exit_code
 
 # stable up to 0.121 s: it decays, but no step comes near to what it foretold
 LOST = {"master.step": 0.11, "stop_time": 11.0, "spring.damping": 4.0}
@@ -34,8 +34,7 @@ def kept(lost, tmp_path_factory):
 
 
 def test_beside_other_runs(kept, tmp_path, capsys):
-    with pytest.raises(SystemExit):
-        main(["compare", str(kept), str(kept), "-o", str(tmp_path)])
+    exit_code("compare", kept, kept, "-o", tmp_path)
     errors = capsys.readouterr().err
     for text in (MISSED, UNVERIFIED):
         assert text in errors

@@ -6,14 +6,13 @@ import signal
 import numpy as np
 import pytest
 from cosimo import BadInput, read_scene
-from cosimo.components.core.component import Component
-from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many import point_runs
 from cosimo.orchestrator.harness.sweep import points, sweep
 from cosimo.orchestrator.interrupts import STOPPING
 from cosimo.orchestrator.run.run import run
+from cosimo.tests.commands import exit_code
+from cosimo.tests.support import OfTime
 
 MASS = {
     "stop_time": 2.0,
@@ -23,22 +22,13 @@ MASS = {
 }
 
 
-class Wheel(Component):
+class Wheel(OfTime):
     """Turns at a constant speed; a signal follows `multiple` times the angle."""
 
     speed = parameter(7.0, "rad/s", "speed of turning")
     multiple = parameter(1.0, "1", "periods of the signal in a turn")
     angle = output("rad", "angle, from 0 to a full turn")
     height = output("m", "cosine of the multiple of the angle")
-
-    def _initialize(self, t):
-        self.arguments = self._declared_arguments()
-        return DONE
-
-    def _step(self, t, h):
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         angle = self.parameters["speed"] * t
@@ -152,15 +142,11 @@ def test_a_point_that_cannot_start_keeps_its_reason():
 def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
     scene = tmp_path / "mass.toml"
     scene.write_text('stop_time = 1.0\nunits.m.component = "cosimo.tests.support:Mass"\nmaster.step = 1e-2\n', encoding="utf-8")
-    with pytest.raises(SystemExit) as caught:
-        main(["sweep", str(scene), "--over", "m.k=100:400:4", "-o", str(tmp_path / "out")])
-    assert not caught.value.code
+    assert exit_code("sweep", scene, "--over", "m.k=100:400:4", "-o", tmp_path / "out") == 0
     assert "4 points, 0 failed" in capsys.readouterr().out
     assert len((tmp_path / "out/sweep.csv").read_text(encoding="utf-8").splitlines()) == 5
     assert "m.k" in (tmp_path / "out/report.html").read_text(encoding="utf-8")
-    with pytest.raises(SystemExit) as caught:
-        main(["sweep", str(scene), "--over", "m.k=100:400"])
-    assert caught.value.code == 2
+    assert exit_code("sweep", scene, "--over", "m.k=100:400") == 2
 
 
 class Stopping(Wheel):
@@ -186,9 +172,7 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
         'sweep."w.multiple" = [1.0, 2.0, 3.0, 4.0]\n'
     )
     handlers = [signal.getsignal(one) for one in STOPPING]
-    with pytest.raises(SystemExit) as end:
-        main(["sweep", str(path), "-o", str(out)])
-    assert end.value.code == 128 + number
+    assert exit_code("sweep", path, "-o", out) == 128 + number
     assert [signal.getsignal(one) for one in STOPPING] == handlers
     err = capsys.readouterr().err
     assert f"stopped by {number.name}, 2 points were not run" in err
@@ -197,12 +181,8 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
     (next((out / "points").iterdir()) / "torn.arrow").write_bytes(b"ARROW1")  # as a failing disk leaves it
     runs = []
     monkeypatch.setattr(point_runs, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
-    with pytest.raises(SystemExit) as end:
-        main(["sweep", str(path), "-o", str(out), "--no-verify"])
-    assert not end.value.code
+    assert exit_code("sweep", path, "-o", out, "--no-verify") == 0
     assert len(runs) == 2  # points that are done are not run again
     resumed = (out / "sweep.csv").read_text()
-    with pytest.raises(SystemExit) as end:
-        main(["sweep", str(path), "-o", str(tmp_path / "whole")])
-    assert not end.value.code
+    assert exit_code("sweep", path, "-o", tmp_path / "whole") == 0
     assert resumed == (tmp_path / "whole" / "sweep.csv").read_text()

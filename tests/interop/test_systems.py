@@ -12,10 +12,10 @@ import pytest
 from cosimo.fmus.native.build import own_target
 from cosimo.orchestrator.harness.other_masters import as_other_masters
 from cosimo.orchestrator.opened.native import initial_inputs, with_native_fmus
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.interop.masters import CLIENTS, require, run_in
+from cosimo.tests.scene_runs import finished
 
 LOOKS = 10
 SCENES = {"en50318-2002": 0.5, "rov-station-keeping": 10.0, "rotor-run-up": 0.02, "wind-pump-start": 10.0}  # s
@@ -39,8 +39,7 @@ def master(request):
 def announced(name):
     """(scene cut short, its announced run)."""
     scene = load_scene(name).with_changes({"stop_time": SCENES[name], "record.interval": None})
-    result = run(as_other_masters(scene), native=True)
-    assert result.outcome == "done", result.message
+    result = finished(as_other_masters(scene), native=True, in_process=False)
     return scene, result
 
 

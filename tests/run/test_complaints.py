@@ -16,6 +16,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.commands import exit_code
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.slopes import orders
 from cosimo.tests.support import Linear, exact_two_masses, two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu
@@ -160,8 +161,7 @@ def test_model_exchange_goes_back_with_the_others_or_the_scene_is_refused():
             "control": {"method": "doubling", "relative": allowed, "absolute": allowed},
         },
     }
-    result = run(read_scene(scene))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene))
     assert result.info.counters.stepping.rejected > 0
     t = result.time  # x' = -5 x + cos 10 t
     exact = (5.0 * np.cos(10.0 * t) + 10.0 * np.sin(10.0 * t) - 5.0 * np.exp(-5.0 * t)) / 125.0
@@ -278,8 +278,7 @@ def test_repeated_runs_read_an_fmu_once(monkeypatch, tmp_path):
     monkeypatch.setattr(fmpy, "read_model_description", noted)
     fmu = str(shutil.copy(native_fmu("dahlquist", 2), tmp_path / "once.fmu"))
     for _ in range(5):
-        result = run(read_scene({"stop_time": 1.0, "units": {"f": {"fmu": fmu}}, "master": {"step": 0.1}}))
-        assert result.outcome == "done"
+        finished(read_scene({"stop_time": 1.0, "units": {"f": {"fmu": fmu}}, "master": {"step": 0.1}}))
     assert len(read) == 1
 
 

@@ -5,7 +5,6 @@ import zipfile
 
 import pytest
 from cosimo import BadInput, build, read_scene, run
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling.ports import port_names
 from cosimo.tests.commands import exit_code
 
@@ -156,8 +155,7 @@ def test_own_fmus_have_the_ports_of_their_components(tmp_path, capsys):
     }
     with pytest.raises(BadInput, match="Switch on the effect 'second_pantograph'"):
         joined("head.contact <-> catenary.second_pantograph", head=head, catenary=catenary)
-    with pytest.raises(SystemExit):
-        main(["show", head["fmu"], "--json"])
+    exit_code("show", head["fmu"], "--json")
     assert json.loads(capsys.readouterr().out)["ports"] == [
         {
             "name": "contact",
@@ -170,8 +168,7 @@ def test_own_fmus_have_the_ports_of_their_components(tmp_path, capsys):
 
 def test_a_new_scene_joins_terminals(tmp_path):
     heads = [str(build(name, tmp_path)) for name in ("Pantograph", "Catenary")]
-    with pytest.raises(SystemExit):
-        main(["new", "scene", str(tmp_path / "s.toml"), *heads])
+    exit_code("new", "scene", tmp_path / "s.toml", *heads)
     text = (tmp_path / "s.toml").read_text(encoding="utf-8")
     assert '"pantograph.contact <-> catenary.contact"' in text
     assert 'fmu = "Pantograph.fmu"' in text  # beside the scene, with which it can be moved

@@ -14,6 +14,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.units.native import EVENTS, STATE, native_fmu, started
 from scipy.integrate import solve_ivp
 
@@ -51,8 +52,7 @@ def ball(t: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize(("fmi", "flags"), VERSIONS)
 def test_a_bouncing_ball_bounces_whoever_handles_its_events(fmi, flags):
-    result = run(read_scene(scene("bouncing_ball", fmi, flags, step=0.05, stop=3.0)))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene("bouncing_ball", fmi, flags, step=0.05, stop=3.0)))
     exact = np.array([ball(t) for t in result.time])
     np.testing.assert_allclose(result["f.h"], exact[:, 0], atol=1e-13)
     np.testing.assert_allclose(result["f.v"], exact[:, 1], atol=1e-12)
@@ -218,16 +218,14 @@ def test_the_tolerance_of_a_scene_is_handed_over(fmi):
 
 
 def test_a_step_that_goes_on_in_the_background_is_waited_for():
-    result = run(read_scene(scene("moody", 2, 'canRunAsynchronuously="true"', pause=1.0)))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene("moody", 2, 'canRunAsynchronuously="true"', pause=1.0)))
     np.testing.assert_allclose(result["f.now"], result.time, rtol=1e-15)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_communication_points_are_those_of_the_clock(fmi):
     """The FMU refuses a point that is off by 1e-15 of itself, a few roundings; a sum of 1e4 steps of 0.1 s is off by 1.6e-13."""
-    result = run(read_scene(scene("dahlquist", fmi, step=0.1, stop=1000.0)))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene("dahlquist", fmi, step=0.1, stop=1000.0)))
     np.testing.assert_allclose(result["f.x"][:50], 0.9 ** np.arange(50), rtol=1e-14)  # Euler's method with its 0.1 s
     unit = started("dahlquist", fmi)
     with pytest.raises(StepFailed, match="log: not the present communication point"):

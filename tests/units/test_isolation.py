@@ -20,6 +20,7 @@ from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.orchestrator.units.process import WorkerSimulator
 from cosimo.tests.rest import at_rest
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 from cosimo.tests.units.native import native_fmu
@@ -147,8 +148,7 @@ def test_units_in_workers_step_at_the_same_time(tmp_path, monkeypatch):
         "units": {"a": {"component": meeting}, "b": {"component": meeting, "parameters": {"me": 2.0}}},
         "connections": ["a.met -> b.driven", "b.met -> a.driven"],
     }
-    result = run(read_scene(isolated(data)))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(isolated(data)))
     assert result["a.met"][-1] == result["b.met"][-1] == 10
 
 
@@ -202,8 +202,7 @@ def killed_before(method, monkeypatch):
 @pytest.mark.parametrize("method", [pytest.param("parameters", marks=FULL), pytest.param("work", marks=FULL), "close"])
 def test_a_worker_that_dies_behind_the_last_step_costs_no_result(method, monkeypatch):
     killed_before(method, monkeypatch)
-    result = run(read_scene(troubled("none")))
-    assert result.outcome == "done"
+    result = finished(read_scene(troubled("none")))
     assert result["b.steps"][-1] == 10
 
 

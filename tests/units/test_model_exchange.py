@@ -14,6 +14,7 @@ from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
 from cosimo.orchestrator.units.interface import SimulationEnded
 from cosimo.orchestrator.units.solvers import METHODS
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.units.exchange_fmu import CAPABILITIES, exchange_fmu
 from scipy.integrate import solve_ivp
 
@@ -77,8 +78,7 @@ def height(t: float, rest: float = 0.0) -> tuple[float, int]:
 def test_a_ball_bounces_when_it_should(solver, step):
     """Four bounces in two seconds; each turns an error of the height into one of the time by 1/v, and v > 1 m/s."""
     relative = 1e-9
-    result = run(read_scene(scene(step=step, stop=2.0, solver=solver, tolerance=relative)))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene(step=step, stop=2.0, solver=solver, tolerance=relative)))
     counted = result.info.counters.units["f"]
     exact = [height(t)[0] for t in result.time]
     before, after = ([height(t + s)[1] for t in result.time] for s in (-1e-6, 1e-6))
@@ -139,16 +139,14 @@ def test_inputs_that_change_at_instants_only_are_handed_over_in_event_mode():
 
 
 def test_events_of_completed_steps_are_honoured():
-    result = run(read_scene({**scene({"k": 0.0, "saw": 0.35, "u": 1.0}), "record": {"signals": ["f.x", "f.resets"]}}))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene({**scene({"k": 0.0, "saw": 0.35, "u": 1.0}), "record": {"signals": ["f.x", "f.resets"]}}))
     # x is put back at the end of the first step of the integrator behind 0.35, which is not longer than a macro step
     assert result["f.resets"][-1] in (2, 3)
     assert result["f.x"].max() <= 0.45
 
 
 def test_an_fmu_that_ends_the_simulation():
-    result = run(read_scene(scene({"end": 0.42})))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene({"end": 0.42})))
     assert re.fullmatch(r"f ended the simulation at t = 0\.4[2-9]\d* s of 1 s", result.message)
     np.testing.assert_allclose(result.time[:-1], [0.0, 0.1, 0.2, 0.3, 0.4])
     assert 0.42 <= result.time[-1] <= 0.5
@@ -174,7 +172,7 @@ def test_coupled_units_end_where_one_of_them_ends_inside_a_step(algorithm, more,
     if not saves and (algorithm == "iterative" or "events" in more):
         return  # refused
     unit = {k: v for k, v in more.items() if k in ("every", "isolation")}
-    result = run(
+    result = finished(
         read_scene(
             {
                 "stop_time": 1.0,
@@ -192,7 +190,6 @@ def test_coupled_units_end_where_one_of_them_ends_inside_a_step(algorithm, more,
             }
         )
     )
-    assert result.outcome == "done", result.message
     assert result.message.startswith("f ended the simulation at t = 0.35 s of 1 s")
     last = 0.35 if saves and "every" not in more else result.time[-1]
     assert (result.time[-1], result["p.time"][-1]) == (pytest.approx(last, abs=2e-7), pytest.approx(last, abs=2e-7))
@@ -301,8 +298,7 @@ def test_van_der_pol_is_within_1e_5_by_default(step, capabilities):
 @pytest.mark.parametrize("step", [0.01, 0.1])
 @pytest.mark.parametrize("capabilities", ["", CAPABILITIES])
 def test_a_bouncing_ball_is_within_1e_5_by_default_to_its_rest(step, capabilities):
-    result = run(read_scene(scene({"rest": 0.1}, exchange_fmu(capabilities=capabilities), step=step, stop=3.0)))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene({"rest": 0.1}, exchange_fmu(capabilities=capabilities), step=step, stop=3.0)))
     exact = [height(t, rest=0.1)[0] for t in result.time]
     assert np.abs(result["f.h"] - exact).max() < 1e-5
     grid = np.arange(round(3.0 / step) + 1) * step

@@ -21,6 +21,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.commands import exit_code
 from cosimo.tests.rest import at_rest
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.units import escapes
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 
@@ -128,8 +129,7 @@ def sleepers(seconds: str) -> list[int]:
 @pytest.mark.parametrize("isolation", ["restricted", "process"])
 def test_which_ways_out_hold(isolation, target):
     unit = {"component": "cosimo.tests.units.escapes:Escapes", "isolation": isolation}
-    result = run(read_scene({"stop_time": 0.2, "units": {"u": unit}, "master": {"step": 0.1}}))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene({"stop_time": 0.2, "units": {"u": unit}, "master": {"step": 0.1}}))
     out = {name for name in escapes.WAYS if result[f"u.way_{name}"][-1]}
     for kind, seconds in escapes.MARKERS.items():
         if not at_rest(lambda seconds=seconds: sleepers(seconds)):

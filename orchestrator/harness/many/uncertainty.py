@@ -19,6 +19,7 @@ from ...output import write_table
 from ...scene.scene import Scene
 from ...scene.tolerances import tolerances_of
 from ...session.session import Session
+from ...settings.names import names_in
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
@@ -182,12 +183,9 @@ def plan_of_tolerances(scene: Scene, samples: int) -> dict[str, Any]:
     """
     tolerances = tolerances_of(scene)
     vary: dict[str, Any] = {}
-    correlation = []
     if tolerances is not None:
         numbers = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
         vary = {name: {"distribution": "normal", "mean": mean, "deviation": deviation} for name, mean, deviation in numbers}
-        for pair, r in scene.correlations.items():
-            correlation.append([*(name.strip() for name in pair.split(",")), r])
     vary |= {name: list(range(SEEDS)) for name in Session(scene).seeds}
     if not vary:
         raise BadInput(
@@ -196,6 +194,7 @@ def plan_of_tolerances(scene: Scene, samples: int) -> dict[str, Any]:
             "what is uncertain",
             'Give --plan, or tolerances of units, as in --set units.pantograph.tolerances.static_force="5 N".',
         )
+    correlation = [[*names_in(pair), r] for pair, r in scene.correlations.items()]
     return {"method": "random", "points": samples, "vary": vary, **({"correlation": correlation} if correlation else {})}
 
 

@@ -89,11 +89,6 @@ class OneSided(Between):
 
     kc = parameter(1e6, "N/m", "stiffness")
     cc = parameter(0.0, "N.s/m", "damping")
-    x1 = input_(0.0, "m", "position of the first end")
-    v1 = input_(0.0, "m/s", "velocity of the first end")
-    x2 = input_(0.0, "m", "position of the second end")
-    v2 = input_(0.0, "m/s", "velocity of the second end")
-    force = output("N", "force on the first end", feedthrough=("x1", "v1", "x2", "v2"))
 
     def _step(self, t, h):
         status = super()._step(t, h)

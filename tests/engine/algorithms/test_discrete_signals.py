@@ -14,6 +14,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import Integrals
 
 HERE = "cosimo.tests.engine.algorithms.test_discrete_signals"
@@ -234,8 +235,7 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
     talk["connections"] = [*talk["connections"], "c.says -> b.hears", "b.says -> c.hears"]
     settled = read_scene(talk)
     assert resolve_coupling(settled).groups in ((("c", "b"),), (("b", "c"),))
-    result = run(settled)
-    assert result.outcome == "done", result.message
+    finished(settled)
     assert opened["b"].text_outputs == ["says"]
     for name, other in (("b", "c"), ("c", "b")):
         steps = [heard for heard in opened[name].heard if "nothing" not in heard[1]][-3:]

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import HERE
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.short_run import full_but
 from scipy.integrate import solve_ivp
 
@@ -51,8 +51,7 @@ def reference(damping: float, times: np.ndarray) -> np.ndarray:
 
 def error_and_steps(damping: float, step: float, **master) -> tuple[float, int]:
     """Error of the contact force relative to its size (l2), and steps of the two masses."""
-    result = run(read_scene(scene(damping, step, **master)))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene(damping, step, **master)))
     exact = reference(damping, result.time)
     work = result.info.counters.units
     return float(np.linalg.norm(result["f.force"] - exact) / np.linalg.norm(exact)), work["a"]["steps"] + work["b"]["steps"]

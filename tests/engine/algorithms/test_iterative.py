@@ -10,6 +10,7 @@ from cosimo.orchestrator.engine.coupling import resolve
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import STATES, TwoMasses, open_master
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.slopes import orders, slope
 from cosimo.tests.support import Linear, exact_two_masses
 from scipy.linalg import expm
@@ -90,8 +91,7 @@ def test_only_circles_are_repeated():
         "f2.force -> listener.force",
     ]
     scene = {"stop_time": 1.0, "units": units, "connections": connections, "master": {"algorithm": "iterative", "step": 0.01}}
-    result = run(read_scene(scene))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene))
     work, master = counters(result).units, counters(result).master
     assert [work[name]["steps"] for name in ("source", "listener", "idle")] == [100, 100, 100]
     assert work["a"]["steps"] == work["f1"]["steps"] > 100
@@ -141,8 +141,7 @@ def test_what_does_not_settle_stops_the_run_and_says_what_is_missed():
 
 def test_what_does_not_settle_is_counted_where_the_scene_allows_it():
     iteration = {"max_iterations": 2, "not_converged": "warn"}
-    result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
-    assert result.outcome == "done"
+    result = finished(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     found = counters(result).master
     assert 0 < found["unconverged_steps"] <= 100
     assert found["worst_miss"] > 1e-8

@@ -13,6 +13,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import Interface, Signal
 from cosimo.tests.engine.algorithms.oscillators import Feedthrough
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.short_run import full_but
 from cosimo.tests.slopes import slope
 from cosimo.tests.support import Linear
@@ -44,8 +45,6 @@ class Bent(Rising):
     """y = 9 sin(10 t) + gain tanh(u)."""
 
     gain = parameter(1.0, "1", "largest value")
-    u_in = input_(0.0, "1", "input")
-    y_out = output("1", "output", feedthrough=("u_in",))
 
     def _outputs(self, t):
         self.y[0] = 9.0 * np.sin(10.0 * t) + self.parameters["gain"] * np.tanh(self.u[0, 0])
@@ -93,8 +92,7 @@ def test_a_loop_of_any_gain_keeps_the_order_of_accuracy(d2, stop, algorithm, deg
     """d2 = 1.1 grows like exp(3084 t), so the run is short; unsolved, the loop's values would grow in each macro step."""
     exact, errors = exact_pair(d2, stop), []
     for steps in (1000, 2000, 4000):
-        result = run(read_scene(pair(d2, stop / steps, stop, algorithm=algorithm, extrapolation=degree)))
-        assert result.outcome == "done", result.message
+        result = finished(read_scene(pair(d2, stop / steps, stop, algorithm=algorithm, extrapolation=degree)))
         errors.append(np.abs(states(result) / exact - 1.0).max())
     assert abs(-slope([1.0, 2.0, 4.0], errors) - (degree + 1)) < 0.15
     assert errors[-1] < (2e-2, 1e-4)[degree]
@@ -140,8 +138,7 @@ def test_a_nonlinear_loop_with_a_chain_behind_it_holds_at_every_instant():
         },
         "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in", {"source": "p.y_out", "target": "after.u_in", "factor": 3.0}],
     }
-    result = run(read_scene(scene))
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene))
     y, z, wave = result["p.y_out"], result["q.y_out"], 9.0 * np.sin(10.0 * result.time)
     np.testing.assert_allclose(y, wave + 3.0 * np.tanh(z), atol=1e-9)
     np.testing.assert_allclose(z, wave - 2.0 * np.tanh(y), atol=1e-9)
@@ -277,7 +274,7 @@ def test_loops_of_fmus_with_and_without_derivatives(flag):
         name: {"fmu": native_fmu("state_space", 3, flag), "parameters": {"A[1,1]": -1.0, "D[1,1]": gain, "x0[1]": 1.0}}
         for name, gain in zip("pq", d, strict=True)
     }
-    result = run(
+    result = finished(
         read_scene(
             {
                 "stop_time": stop,
@@ -288,7 +285,6 @@ def test_loops_of_fmus_with_and_without_derivatives(flag):
             }
         )
     )
-    assert result.outcome == "done", result.message
     outputs = np.linalg.inv([[1.0, -d[0]], [-d[1], 1.0]])
     exact = outputs @ expm((-np.eye(2) + outputs[::-1]) * stop) @ np.ones(2)
     np.testing.assert_allclose([result[f"{name}.y[1]"][-1] for name in "pq"], exact, rtol=1e-5)

@@ -8,6 +8,7 @@ from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.test_rows import N
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.short_run import full_but
 from cosimo.tests.slopes import slope
 from cosimo.tests.support import Integrals, OfTime, exact_two_masses, two_masses
@@ -169,8 +170,7 @@ def test_an_input_that_jumps_between_two_steps_of_a_slow_unit(begin, degree):
             {"kind": "override", "signal": "i.u_in", "begin": begin, "value": 3.0},
         ],
     }
-    result = run(read_scene(scene), in_process=True)
-    assert result.outcome == "done", result.message
+    result = finished(read_scene(scene))
     each = np.diff(result["i.x_out"][::4]) / (3.0 * 0.08)  # in steps of the slow unit, as shares of what 3 gives
     jump = int(begin / 0.08)
     np.testing.assert_allclose(each[:jump], 0.0, atol=1e-12)

@@ -17,6 +17,7 @@ from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import Interface
 from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.engine.algorithms.bonded import bonded
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.short_run import full_but
 from cosimo.tests.slopes import slope
 from cosimo.tests.support import Linear, exact_two_masses, two_masses
@@ -120,8 +121,7 @@ def test_steps_follow_a_motion_that_dies_out():
 def test_steps_are_multiples_of_the_smallest_within_the_limits_and_end_at_the_end(stop, smallest, method):
     stop = round(stop, 4)
     scene = controlled(method, 1e-3, step=0.01, min_step=smallest, max_step=0.05) | {"stop_time": stop}
-    result = run(read_scene(scene))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene))
     assert result.time[-1] == stop
     h = np.diff(result.time)
     multiples = h[:-1] / smallest
@@ -140,8 +140,7 @@ def test_errors_that_stay_above_the_tolerance_at_the_smallest_step_are_said():
 def test_a_failed_step_is_repeated_with_shorter_ones():
     scene = controlled("milne", 1e-2, step=0.01)
     scene["units"]["a"] = {"component": f"{__name__}:Brittle", "parameters": {"limit": 1e-3}}
-    result = run(read_scene(scene))
-    assert result.outcome == "done"
+    result = finished(read_scene(scene))
     assert result.info.counters.stepping.failed > 0
     assert np.diff(result.time).max() <= 1e-3 * (1.0 + 1e-9)
 

@@ -12,7 +12,9 @@ from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import open_master
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import OfTime
 
 
 class Relay(Component):
@@ -82,8 +84,7 @@ def test_without_location_the_error_is_of_first_order():
 def arcs(step: float, events: list, **master) -> float:
     """Error of the speed at the end of 7 s, for x'' = -1 - x and its mirror image: an arc from one crossing to the next takes
     pi / 2 s."""
-    result = run(read_scene(relay(step, 1, events, slope=1.0, stop=7.0, **master)))
-    assert result.outcome == "done"
+    result = finished(read_scene(relay(step, 1, events, slope=1.0, stop=7.0, **master)))
     rest = 7.0 % (np.pi / 2.0)  # behind the fourth crossing
     return abs(result["mass.v_out"][-1] - (np.cos(rest) - np.sin(rest)))
 
@@ -147,18 +148,11 @@ def test_the_first_of_two_events_in_a_step_is_found_first():
         assert late[late > -1e-12].min() < 2.1e-7
 
 
-class Riser(Component):
+class Riser(OfTime):
     """A position that rises by 1 m in a second."""
 
     start = parameter(-1.0, "m", "position at the start")
     x_out = output("m", "position")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[0] = self.parameters["start"] + t

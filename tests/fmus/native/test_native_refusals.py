@@ -7,7 +7,6 @@ import zipfile
 
 import numpy as np
 import pytest
-from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.stateless import StatelessComponent, stateless_kernels
@@ -15,6 +14,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
 from cosimo.fmus.native.build import initialized
 from cosimo.fmus.native.machine_code import compile_entries, source_of
+from cosimo.tests.support import OfTime
 from fmpy import simulate_fmu
 
 
@@ -66,18 +66,11 @@ class Factorial(Sum):
     kernels = stateless_kernels(f"{__name__}.Factorial", factorial)
 
 
-class Plain(Component):
+class Plain(OfTime):
     """Python in its steps."""
 
     first = input_(1.0, "1", "a number")
     total = output("1", "a sum")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[0] = self.u[0, 0]

@@ -4,12 +4,11 @@ import os
 import signal
 import time
 
-from cosimo.components.core.component import Component
-from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
+from cosimo.tests.support import OfTime
 
 
-class Doubler(Component):
+class Doubler(OfTime):
     """Gives twice its parameter, after a pause; may end its process, once or whenever it is run."""
 
     value = parameter(1.0, "m", "what is doubled")
@@ -18,10 +17,6 @@ class Doubler(Component):
     fatal_once = parameter(-1.0, "m", "the value with which it does so as long as the file KILLED_ONCE is missing")
     twice = output("m", "two times the value")
 
-    def _initialize(self, t):
-        self.arguments = self._declared_arguments()
-        return DONE
-
     def _step(self, t, h):
         time.sleep(self.parameters["pause"])
         once = self.parameters["value"] == self.parameters["fatal_once"] and not os.path.exists(os.environ["KILLED_ONCE"])
@@ -29,9 +24,7 @@ class Doubler(Component):
             open(os.environ["KILLED_ONCE"], "w").close()
         if once or self.parameters["value"] == self.parameters["fatal"]:
             os.kill(os.getpid(), signal.SIGKILL)
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE
+        return super()._step(t, h)
 
     def _outputs(self, t):
         self.y[:] = 2.0 * self.parameters["value"]
@@ -58,7 +51,7 @@ def fails(result):
     raise KeyError("nothing")
 
 
-class Formula(Component):
+class Formula(OfTime):
     """Gives closed forms of its parameters."""
 
     a = parameter(0.0, "1", "first number")
@@ -66,15 +59,6 @@ class Formula(Component):
     linear = output("1", "2 a + b")
     parabola = output("1", "(a - 1)² + (b - 2)²")
     total = output("1", "a + b")
-
-    def _initialize(self, t):
-        self.arguments = self._declared_arguments()
-        return DONE
-
-    def _step(self, t, h):
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         a, b = self.parameters["a"], self.parameters["b"]

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import tomli_w
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.sensitivity import analyse, sample, sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import plan_of_tolerances, tolerance_rank, uncertainty
 from cosimo.orchestrator.harness.sweep import sweep
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.harness.many.points import formula
 from cosimo.tests.harness.test_sweep import MASS
 
@@ -126,22 +126,21 @@ def test_tolerance_ranks_are_those_of_wilks():
 def test_the_terminal_says_how_many_samples_a_tolerance_interval_needs(tmp_path, capsys):
     (tmp_path / "s.toml").write_text(tomli_w.dumps(formula(a=1.0, b=3.0)))
     (tmp_path / "plan.toml").write_text(tomli_w.dumps({"method": "random", "points": 20, "vary": {"f.a": UNIT}}))
-    with pytest.raises(SystemExit) as ended:
-        main(
-            [
-                "uncertainty",
-                str(tmp_path / "s.toml"),
-                "--plan",
-                str(tmp_path / "plan.toml"),
-                "--quantity",
-                "f.linear, end",
-                "--jobs",
-                "1",
-                "-o",
-                str(tmp_path / "out"),
-            ]
+    assert (
+        exit_code(
+            "uncertainty",
+            tmp_path / "s.toml",
+            "--plan",
+            tmp_path / "plan.toml",
+            "--quantity",
+            "f.linear, end",
+            "--jobs",
+            "1",
+            "-o",
+            tmp_path / "out",
         )
-    assert not ended.value.code
+        == 0
+    )
     shown = capsys.readouterr().out
     assert shown.count("needs 93 samples") == 2
     assert "nan" not in shown
@@ -277,13 +276,9 @@ def test_without_a_plan_all_tolerances_and_seeds_are_drawn(capsys):
     assert plan["vary"]["pantograph.head_mass"]["deviation"] == pytest.approx(0.03 * 7.2)
     assert {name for name in plan["vary"] if name.endswith("seed")} == {"catenary.scatter.seed", "catenary.gusts.seed"}
     assert plan["correlation"] == [["pantograph.static_force", "pantograph.head_mass", 0.5]]
-    with pytest.raises(SystemExit) as end:
-        main(["uncertainty", "mass-on-spring", "--quantity", "mass.base_x, maximum"])
-    assert end.value.code == 2
+    assert exit_code("uncertainty", "mass-on-spring", "--quantity", "mass.base_x, maximum") == 2
     assert "no effect with a seed" in capsys.readouterr().err
-    with pytest.raises(SystemExit) as end:
-        main(["uncertainty", "mass-on-spring", "--plan", "plan.toml", "--samples", "20"])
-    assert end.value.code == 2
+    assert exit_code("uncertainty", "mass-on-spring", "--plan", "plan.toml", "--samples", "20") == 2
     assert "--samples: no effect with --plan" in capsys.readouterr().err
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.failures import failure_groups
+from cosimo.tests.commands import exit_code
 
 
 def test_failures_alike_but_for_their_numbers_are_one_group_and_the_most_frequent_comes_first():
@@ -16,9 +16,7 @@ def test_failures_alike_but_for_their_numbers_are_one_group_and_the_most_frequen
 
 @pytest.mark.parametrize("text", ["stop_time=3", "master.step=1e-4", "master.algorithm=jacobi"])
 def test_what_has_an_option_of_its_own_is_told_so(text, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["sweep", "mass-on-spring", "--over", "mass.mass=1:2:2", "--set", text])
-    assert end.value.code == 2
+    assert exit_code("sweep", "mass-on-spring", "--over", "mass.mass=1:2:2", "--set", text) == 2
     place, _, value = text.partition("=")
     option = {"stop_time": "--stop", "master.step": "--step", "master.algorithm": "--algorithm"}[place]
     assert f"expected {option} {value}" in capsys.readouterr().err
@@ -27,9 +25,10 @@ def test_what_has_an_option_of_its_own_is_told_so(text, capsys):
 @pytest.mark.full
 def test_a_sweep_takes_a_step_and_an_end(tmp_path, capsys):
     out = str(tmp_path / "out")
-    with pytest.raises(SystemExit) as end:
-        main(
-            ["sweep", "mass-on-spring", "--over", "mass.mass=1:2:2", "--stop", "0.1", "--step", "0.01", "-o", out, "--jobs", "1"]
+    assert (
+        exit_code(
+            "sweep", "mass-on-spring", "--over", "mass.mass=1:2:2", "--stop", "0.1", "--step", "0.01", "-o", out, "--jobs", "1"
         )
-    assert end.value.code == 0
+        == 0
+    )
     assert "0 failed" in capsys.readouterr().out

@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.options import ranges_of
 from cosimo.orchestrator.harness.many.plan import from_columns, plan_of, plan_settings
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.harness.test_sweep import MASS
 
 SCENE = read_scene(MASS)
@@ -205,7 +205,5 @@ def test_a_number_that_is_probably_in_another_unit_is_asked_about_in_every_way(c
     assert any(question in text for text in scene.coupling.interfaces["pantograph"].remarks)
     swept = plan_of(scene, plan_settings({"vary": {"pantograph.speed": [70.0, 160.0]}}))
     assert any(question in text for text in swept.remarks)
-    with pytest.raises(SystemExit) as ended:
-        main(["run", "en50318-2002", "--dry-run", "--set", "pantograph.speed=160"])
-    assert ended.value.code == 2
+    assert exit_code("run", "en50318-2002", "--dry-run", "--set", "pantograph.speed=160") == 2
     assert f"expected a number with its unit. {question}" in capsys.readouterr().err

@@ -8,8 +8,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.full_model import effects_on, full_model, with_effects
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.scene_runs import finished
 
 pytestmark = pytest.mark.uncompiled
 
@@ -173,8 +173,7 @@ def vehicle():
 
 
 def outcome(scene):
-    result = run(scene, in_process=True)
-    assert result.outcome == "done"
+    result = finished(scene)
     return TimeHistory(result.time, result.columns)
 
 

@@ -10,7 +10,6 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.integrators import RK4_STABILITY_RADIUS, OdeComponent
 from cosimo.components.core.kernels import COMPILED
 from cosimo.components.core.variables import Causality
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import with_required
 from cosimo.orchestrator.harness.studies.internal_steps import internal_steps
 from cosimo.tests.commands import exit_code
@@ -104,22 +103,21 @@ def test_what_cannot_be_measured_is_said():
 
 
 def test_the_command_writes_table_and_page(tmp_path, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main(
-            [
-                "stability",
-                "component:PlanarLink",
-                "--effects",
-                "pinned,gravity",
-                "--set",
-                "length=2",
-                "--set",
-                "centre=1",
-                "-o",
-                str(tmp_path),
-            ]
+    assert (
+        exit_code(
+            "stability",
+            "component:PlanarLink",
+            "--effects",
+            "pinned,gravity",
+            "--set",
+            "length=2",
+            "--set",
+            "centre=1",
+            "-o",
+            tmp_path,
         )
-    assert not stopped.value.code
+        == 0
+    )
     rows = list(csv.reader((tmp_path / "stability.csv").open(encoding="utf-8")))
     assert rows[0][:4] == ["effects", "longest stable internal step, s", "own limit, s", "margin, 1"]
     inertia = 1.0 / 12.0 + 1.0

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
-from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.harness.studies.coupled_ode import CoupledOde, rate_kernel
 from cosimo.orchestrator.harness.studies.quantities import quantities_of
@@ -79,9 +78,6 @@ class Meshed(OfTime):
     title = "slope with a mesh"
     element = parameter(0.1, "m", "length of the elements")
     total = output("1", "the integral of the slope")
-
-    def _initialize(self, t: float) -> int:
-        return DONE
 
     def _outputs(self, t: float) -> None:
         self.y[0] = t * (1.0 + self.get("element") ** 2)

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 from cosimo import BadInput, load_scene, run, validate, write_report
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.systems.railway.cases.en50367 import conditions, scene_conditions
+from cosimo.tests.commands import exit_code
 
 ROW = '[[rows]]\nquantity = "{0}"\nmeasure = "{0}"\nunit = "N"\n{1}\nstanding = "verbatim"\nsource = "sheet"\n'
 ONE_WIRE = ("pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height")
@@ -102,9 +102,7 @@ def test_a_table_of_ones_own_decides(result, tmp_path):
 
 def test_the_command_line_judges_and_leaves_files(tmp_path, capsys):
     limits = table(tmp_path, ("pantograph.std", "high = 0.001"))
-    with pytest.raises(SystemExit) as end:
-        main(["run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits, "-o", str(tmp_path / "out")])
-    assert end.value.code == 1
+    assert exit_code("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits, "-o", tmp_path / "out") == 1
     assert "Limits of mine: Failed" in capsys.readouterr().out
     (case,) = json.loads((tmp_path / "out" / "validation.json").read_text())["cases"]
     assert [row["inside"] for row in case["rows"]] == [False]
@@ -140,9 +138,7 @@ def test_a_case_is_judged_by_one_line(tmp_path):
 )
 def test_a_scene_with_nothing_to_compare_is_refused_before_it_runs(scene, options, word, capsys, monkeypatch):
     monkeypatch.setattr(verification, "run", lambda *_, **__: pytest.fail("it ran"))
-    with pytest.raises(SystemExit) as exit_:
-        main(["run", scene, "--in-process", *options])
-    assert exit_.value.code == 2
+    assert exit_code("run", scene, "--in-process", *options) == 2
     error = capsys.readouterr().err
     assert word in error
     assert error.count("cosimo:") == 1

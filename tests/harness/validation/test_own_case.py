@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 from cosimo import BadInput, load_scene, read_scene, validate, write_scene
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report.first_page import simulated
 from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.measured import read_curve
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import SYSTEMS
+from cosimo.tests.commands import exit_code
 from cosimo.tests.support import two_masses
 
 CASE = """
@@ -88,9 +88,7 @@ def test_inputs_of_runs_stand_apart_where_they_differ():
 
 def test_a_measurement_ten_percent_higher_fails_with_exit_code_1(folder, result, capsys):
     write(folder, result.time, 1.1e3 * result["a.x_out"])
-    with pytest.raises(SystemExit) as ended:
-        main(["validate", str(folder / "case.toml"), "--in-process", "-o", str(folder / "out")])
-    assert ended.value.code == 1
+    assert exit_code("validate", folder / "case.toml", "--in-process", "-o", folder / "out") == 1
     (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
     by_kind = {r.reference.measure.split(" ", 1)[1]: r for r in case.findings.rows if r.reference.standing == "measured"}
     assert not any(r.inside for r in by_kind.values())
@@ -207,16 +205,12 @@ def test_rows_may_stand_in_a_file_of_a_spreadsheet(folder, tmp_path, capsys):
     first, behind = CASE.index("[[rows]]"), CASE.index("[[curves]]")
     text = CASE[:first] + CASE[behind:]
     (folder / "case.toml").write_text(text.replace("[sources]", 'rows = "limits.csv"\n[sources]', 1), encoding="utf-8")
-    with pytest.raises(SystemExit) as ended:
-        main(["validate", str(folder / "case.toml"), "-o", str(tmp_path / "none")])
-    assert ended.value.code == 2
+    assert exit_code("validate", folder / "case.toml", "-o", tmp_path / "none") == 2
     assert "limits.csv" in capsys.readouterr().err
     (folder / "limits.csv").write_text(
         "quantity;measure;condition;unit;high;standing;source\nlargest position;a.x_out, maximum;soft;m;100.0;verbatim;rig\n",
         encoding="utf-8",
     )
-    with pytest.raises(SystemExit) as ended:
-        main(["validate", str(folder / "case.toml"), "--json", "--no-verify", "-o", str(tmp_path / "out")])
-    assert not ended.value.code
+    assert exit_code("validate", folder / "case.toml", "--json", "--no-verify", "-o", tmp_path / "out") == 0
     (case,) = json.loads(capsys.readouterr().out)["cases"]
     assert [row["high"] for row in case["rows"] if row["quantity"] == "largest position"] == [100.0]

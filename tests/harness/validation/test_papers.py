@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput, StepFailed
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.charts.chart import Chart, Panel, Series
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, ClaimResult, Findings, Row, claim_results
 from cosimo.orchestrator.harness.validation.claims import Claim
 from cosimo.orchestrator.harness.validation.questions import Evidence, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow, load_table, parse_table
 from cosimo.orchestrator.systems import cases, papers, validate
+from cosimo.tests.commands import exit_code
 
 BUILT = "by construction"
 ROOT = Path(__file__).resolve().parents[3]
@@ -134,9 +134,7 @@ def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch,
     made = Case("paper-x", "A paper", "it shows", (Question(lambda runs: Evidence({"force": 0.25}, (drawn,), claim="X1")),))
     monkeypatch.setitem(cases(), "paper-x", made)
     assert "paper-x" in papers()
-    with pytest.raises(SystemExit) as ended:
-        main(["validate", "paper-x", "-o", str(tmp_path)])
-    assert not ended.value.code
+    assert exit_code("validate", "paper-x", "-o", tmp_path) == 0
     printed = capsys.readouterr().out
     assert "2 claims: 2 shown (X1, X2)." in printed
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
@@ -161,9 +159,7 @@ def test_what_cannot_fail_is_by_construction_in_text_report_and_json(tmp_path, m
     monkeypatch.setattr("cosimo.orchestrator.harness.validation.case.load_table", lambda name: parse_table(name, *built))
     case = Case("paper-x", "A paper", "", (Question(lambda runs: Evidence({"force": 0.25})),))
     monkeypatch.setitem(cases(), "paper-x", case)
-    with pytest.raises(SystemExit) as ended:
-        main(["validate", "paper-x", "-o", str(tmp_path)])
-    assert not ended.value.code
+    assert exit_code("validate", "paper-x", "-o", tmp_path) == 0
     printed = capsys.readouterr().out
     assert f"2 claims: 1 shown (X2); 1 {BUILT} (X1)." in printed
     assert "1 of 1 rows by" in printed

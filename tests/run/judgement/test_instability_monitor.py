@@ -13,6 +13,7 @@ from cosimo.orchestrator.run.recorded_growth import LookRecord
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import two_masses
 
 
@@ -35,8 +36,7 @@ def spring(step, degree=0, d=4.0, steps=4000, ground=(0.0, 0.0), **more):
 @pytest.mark.parametrize(("degree", "limit"), [(0, 0.08), (1, 0.1213169), (2, 0.1301332)])
 def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree, limit):
     """Limits: roots of the characteristic polynomials at a fifth of critical damping, ω = 10 rad/s."""
-    calm = run(spring(0.98 * limit, degree))
-    assert calm.outcome == "done", calm.message
+    finished(spring(0.98 * limit, degree))
     wild = run(spring(1.02 * limit, degree))
     assert wild.outcome == "unstable"
     assert "the coupling is unstable" in wild.message
@@ -65,8 +65,7 @@ def test_a_coupling_without_a_stable_step_is_told_so():
 
 def test_a_motion_that_swings_up_and_is_followed_goes_on():
     """A negative damper on the ground: e-fold in 2 s, by e^20 in all; the steps are a sixtieth of the period."""
-    result = run(spring(0.01, 1, d=0.0, ground=(0.0, -1.0)))
-    assert result.outcome == "done", result.message
+    result = finished(spring(0.01, 1, d=0.0, ground=(0.0, -1.0)))
     assert np.abs(result["m.x_out"]).max() > 1e6
 
 
@@ -91,8 +90,7 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     wild = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",)}))
     assert wild.outcome == "unstable"
     assert "the coupling makes energy at the bond" in wild.message
-    calm = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
-    assert calm.outcome == "done", calm.message
+    finished(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
 
 
 def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):

@@ -5,8 +5,8 @@ The FMU: x' = u, y = gain u + count + 100 flag + 1000 mode + 10000 letters of th
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.scene_runs import finished
 
 SPACE = 'xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1"'
 GROUPS = """<OspModelDescription xmlns="http://opensimulationplatform.com/MSMI/OSPModelDescription" version="0.1"><VariableGroups>
@@ -57,8 +57,7 @@ def read(folder):
 
 
 def values(scene):
-    result = run(scene)
-    assert result.outcome == "done", result.message
+    result = finished(scene)
     return {name: float(column[-1]) for name, column in result.columns.items()}
 
 

@@ -12,6 +12,7 @@ from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run.run import run
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.units.native import native_fmu
 
 STEP = (
@@ -23,8 +24,7 @@ PAIR = component("a") + component("b")
 
 def values(scene):
     """Last value of each recorded output."""
-    result = run(scene)
-    assert result.outcome == "done", result.message
+    result = finished(scene)
     return {name: float(column[-1]) for name, column in result.columns.items()}
 
 

@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.hertz import effective_modulus
 from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.tests.support import initialized
 from scipy.optimize import minimize
 from scipy.special import ellipk
 
@@ -42,9 +43,7 @@ BALLS = {"7008C": {2000: 13}, "7210B": {1000: 9, 2000: 3}}
 
 def started(preset="7008C", effects=(), parameters=None, **inputs):
     """An initialized instance."""
-    made = AngularContactConductance(effects, {**(parameters or {}), **inputs}, preset=preset)
-    made.initialize(0.0)
-    return made
+    return initialized(AngularContactConductance(effects, {**(parameters or {}), **inputs}, preset=preset))
 
 
 @pytest.mark.known_answers(AngularContactConductance="ball_bulk")

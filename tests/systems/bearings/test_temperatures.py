@@ -8,6 +8,7 @@ from cosimo.components.bearings.radiation import STEFAN_BOLTZMANN, radiative_coe
 from cosimo.components.bearings.temperatures import BearingTemperatures, network_derivatives, network_jacobian
 from cosimo.orchestrator.run.run import run as run_scene
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -18,9 +19,7 @@ ALL = ("housing", "oil_flow", "radiation", "shaft_heat")
 
 def started(effects=(), parameters=None, **inputs):
     """An initialized instance."""
-    made = BearingTemperatures(effects, {**(parameters or {}), **inputs})
-    made.initialize(0.0)
-    return made
+    return initialized(BearingTemperatures(effects, {**(parameters or {}), **inputs}))
 
 
 def run(made, step, steps, t=0.0):

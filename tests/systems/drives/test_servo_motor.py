@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.servo_motor import ServoMotor, servo_derivatives, shaft_inertia
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.drives.closed_forms import poles, steady, step_response, wheel_constants
 from scipy.linalg import expm
 
@@ -16,11 +17,7 @@ R, L, K, N = 2.3, 0.238e-3, 23.4e-3, 19.0  # Ohm, H, N.m/A, 1
 
 
 def motor(effects=(), inputs=None, **parameters) -> ServoMotor:
-    made = ServoMotor(effects, parameters)
-    for name, value in (inputs or {}).items():
-        made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(ServoMotor(effects, parameters), inputs)
 
 
 def response(made, t, voltage, load=0.0) -> np.ndarray:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.drives.torque_motor import TorqueMotor
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -12,11 +13,7 @@ R, K, N, L = 2.0, 0.1, 1.0, 1e-3  # Ohm, N.m/A, 1, H
 
 
 def motor(effects=(), inputs=None, **parameters) -> TorqueMotor:
-    made = TorqueMotor(effects, parameters)
-    for name, value in (inputs or {}).items():
-        made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(TorqueMotor(effects, parameters), inputs)
 
 
 def steady(effects, inputs, **parameters) -> TorqueMotor:

@@ -8,6 +8,7 @@ from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.monolith import FrictionDrive, drive_derivatives, motor_place
 from cosimo.components.friction_drive.wheels import FrictionWheels
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 
@@ -28,8 +29,7 @@ def drive_at(effects=(), first=0.0, second=0.0, force=0.0, torque=0.0, **paramet
     """An initialized drive with given voltages and loads."""
     drive = FrictionDrive(effects, parameters)
     drive.u[0, :4] = first, second, force, torque
-    drive.initialize(0.0)
-    return drive
+    return initialized(drive)
 
 
 @pytest.mark.parametrize("layout", ["skewed", "skewed_free_rollers", "orthogonal"])

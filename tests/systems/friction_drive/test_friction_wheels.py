@@ -8,6 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.friction_drive.sleeve import DEFLECTIONS, FEED_RATE, MODES, ROTATION_RATE
 from cosimo.components.friction_drive.wheels import FrictionWheels, wheels_derivatives
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 from cosimo.tests.systems.friction_drive.closed_forms import load_share, loaded_feed
 from scipy.linalg import expm
@@ -28,8 +29,7 @@ def wheels_at(effects=(), first=0.0, second=0.0, force=0.0, torque=0.0, **parame
     law = COULOMB.get(effects[0], {}) if effects else {}
     wheels = FrictionWheels(effects, law | parameters)
     wheels.u[0, :4] = first, second, force, torque
-    wheels.initialize(0.0)
-    return wheels
+    return initialized(wheels)
 
 
 # -- speed under load ---------------------------------------------------------------------------------------------------------
@@ -370,8 +370,7 @@ def wheels_under(effects=(), inputs=(0.0, 0.0, 0.0, 0.0), **parameters) -> Frict
     """Initialized wheels; inputs: first and second rate, force, torque."""
     wheels = FrictionWheels(effects, parameters)
     wheels.u[0, :4] = inputs
-    wheels.initialize(0.0)
-    return wheels
+    return initialized(wheels)
 
 
 def shaken(wheels: FrictionWheels, duration: float, mean: float, swing: float, frequency: float, h: float = 1e-3) -> None:

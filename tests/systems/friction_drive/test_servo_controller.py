@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.controller import ServoController
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.drives.closed_forms import wheel_constants
 from scipy.linalg import expm
 
@@ -16,11 +17,7 @@ LAYOUTS = ("skewed", "skewed_free_rollers", "orthogonal")
 
 
 def controller(effects=(), inputs=None, **parameters) -> ServoController:
-    made = ServoController(effects, parameters)
-    for name, value in (inputs or {}).items():
-        made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(ServoController(effects, parameters), inputs)
 
 
 def voltages(made) -> list[float]:

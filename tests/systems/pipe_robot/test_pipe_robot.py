@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot, robot_derivatives
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
-from scipy.integrate import solve_ivp
+from cosimo.tests.systems.pipe_robot.another_solver import reference
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -24,9 +25,7 @@ def robot(*effects: str, **parameters) -> PipeRobot:
 
 
 def started(*effects: str, **parameters) -> PipeRobot:
-    unit = robot(*effects, **parameters)
-    unit.initialize(0.0)
-    return unit
+    return initialized(robot(*effects, **parameters))
 
 
 # -- power -------------------------------------------------------------------------------------------------------------
@@ -168,44 +167,10 @@ def test_equal_friction_and_a_symmetric_force_lead_nowhere():
 
 
 # -- an independent solution -------------------------------------------------------------------------------------------
-def reference(duration: float, amplitude: float, forward=2.0, backward=8.0) -> tuple[np.ndarray, list[int]]:
-    """(state, sequence of modes) by DOP853 from event to event; the equations written anew."""
-
-    def internal(t, x):
-        return 2000.0 * (x[2] - x[0]) + 5.0 * (x[3] - x[1]) + amplitude * math.sin(60.0 * t)
-
-    def event(function, direction):
-        function.direction, function.terminal = direction, True
-        return function
-
-    t, x, mode, modes = 0.0, np.zeros(4), 0, [0]
-    while t < duration:
-
-        def rate(t, x, mode=mode):
-            push = {1: -forward, -1: backward, 0: -internal(t, x)}[mode]
-            return [x[1], internal(t, x) + push, x[3], -internal(t, x) / 0.5]
-
-        if mode:
-            events = [event(lambda t, x: x[1], -mode)]
-        else:
-            events = [event(lambda t, x: internal(t, x) - forward, 1), event(lambda t, x: internal(t, x) + backward, -1)]
-        part = solve_ivp(rate, (t, duration), x, method="DOP853", rtol=1e-11, atol=1e-13, events=events)
-        t, x = part.t[-1], part.y[:, -1].copy()
-        if part.status == 1:
-            if mode:
-                x[1], f = 0.0, internal(t, x)
-                mode = 1 if f > forward else -1 if f < -backward else 0
-            else:
-                mode = 1 if part.t_events[0].size else -1
-            x[1] = mode * 1e-15
-            modes.append(mode)
-    return x, modes
-
-
 @pytest.mark.first
 @pytest.mark.parametrize(("amplitude", "cycle"), [(20.0, [1, -1]), (1.5, [0, 1])])
 def test_stick_and_slip_are_those_of_another_solver(amplitude, cycle):
-    wanted, modes = reference(3.0, amplitude)
+    wanted, modes = reference(3.0, amplitude, (2.0, 8.0))
     unit = started("harmonic_force", harmonic_force__amplitude=amplitude)
     unit.step(0.0, 3.0)
     assert unit.work["events"] == len(modes) - 1

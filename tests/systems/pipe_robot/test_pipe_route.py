@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.route import PipeRoute
+from cosimo.tests.support import initialized
 from scipy.interpolate import PchipInterpolator
 
 pytestmark = pytest.mark.interpreted
@@ -18,9 +19,9 @@ def table(name: str, values) -> dict[str, float]:
 
 
 def route(**more) -> PipeRoute:
-    unit = PipeRoute(parameters=table("place", PLACES) | table("diameter_table", DIAMETERS) | table("slope_table", SLOPES) | more)
-    unit.initialize(0.0)
-    return unit
+    return initialized(
+        PipeRoute(parameters=table("place", PLACES) | table("diameter_table", DIAMETERS) | table("slope_table", SLOPES) | more)
+    )
 
 
 def at(unit: PipeRoute, position: float, name: str) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from scipy.optimize import brentq
 
 G = 9.81
@@ -17,9 +18,7 @@ WEIGHT = 1.5 * G * math.sin(0.3)  # N, down a slope of 0.3 rad; friction holds 8
 def started(*effects: str, **parameters) -> PipeRobot:
     """With the effects of most tests, so that few kernels are compiled; the cubic share of the spring is zero."""
     values = {"cubic_spring.stiffness": 0.0} | {k.replace("__", "."): v for k, v in parameters.items()}
-    unit = PipeRobot((*effects, "cubic_spring", "tow", "route"), values)
-    unit.initialize(0.0)
-    return unit
+    return initialized(PipeRobot((*effects, "cubic_spring", "tow", "route"), values))
 
 
 def shaken_on_a_slope(duration: float, *friction: str, **parameters) -> PipeRobot:

@@ -3,24 +3,25 @@
 import numpy as np
 import pytest
 from cosimo.components.pipe_robot.tow import TowCoupling
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
 
 def coupled(rear, front, effects=(), **parameters) -> TowCoupling:
     """A coupling between ends at (position, velocity)."""
-    unit = TowCoupling(
-        effects,
-        {
-            "rear_position": rear[0],
-            "rear_velocity": rear[1],
-            "front_position": front[0],
-            "front_velocity": front[1],
-            **parameters,
-        },
+    return initialized(
+        TowCoupling(
+            effects,
+            {
+                "rear_position": rear[0],
+                "rear_velocity": rear[1],
+                "front_position": front[0],
+                "front_velocity": front[1],
+                **parameters,
+            },
+        )
     )
-    unit.initialize(0.0)
-    return unit
 
 
 def test_a_bar_pulls_and_pushes():

@@ -7,10 +7,11 @@ import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import WireOnMesh, node_compliance
 from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from numpy.polynomial import Polynomial
 from scipy.integrate import quad
 
@@ -45,11 +46,7 @@ def long_wire(beta: float, EI: float, element: float, substep: float, method: st
         "method": method,
         "first_watched_support": 0,
     }
-    catenary = Catenary(effects, values)
-    catenary.set("contact_position", 120.0)
-    catenary.set("contact_force", 0.0)
-    catenary.initialize(0.0)
-    return catenary
+    return initialized(Catenary(effects, values), {"contact_position": 120.0, "contact_force": 0.0})
 
 
 def answer(catenary: Catenary, speed: float, omega: float, h: float = 1e-3) -> complex:
@@ -198,8 +195,7 @@ def test_filtered_force_is_within_a_percent_of_the_sine_series(name, speed):
         "units.catenary.effects": [e for e in given.effects if e != "wire_profile"] + list(effects),
         "units.catenary.parameters": dict(given.parameters) | {"spans": 6, "first_watched_support": 1} | parameters,
     }
-    result = run(scene.with_changes(changes), in_process=True)
-    assert result.outcome == "done"
+    result = finished(scene.with_changes(changes))
     reference = passage(line, Head(), v, 30.0, seconds, 3600, 5e-4)
     grid = np.linspace(2.0 * line.span, 4.0 * line.span, 2401)
     histories = [

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.gusts import von_karman
+from cosimo.tests.support import initialized
 from scipy.integrate import quad
 
 LENGTH, TENSION, MASS, ALPHA = 60.0, 20e3, 1.35, 1.0
@@ -26,11 +27,10 @@ SMALL = {"spans": 1, "element": 6.0}
 
 def blown(effects=(), position=23.0, **values) -> Catenary:
     """A catenary in the wind, at rest, without contact force; values by the gusts' names, others with their own."""
-    catenary = Catenary(("gusts", *effects), {(n if n in Catenary.variables else f"gusts.{n}"): v for n, v in values.items()})
-    catenary.set("contact_position", position)
-    catenary.set("contact_force", 0.0)
-    catenary.initialize(0.0)
-    return catenary
+    return initialized(
+        Catenary(("gusts", *effects), {(n if n in Catenary.variables else f"gusts.{n}"): v for n, v in values.items()}),
+        {"contact_position": position, "contact_force": 0.0},
+    )
 
 
 def waves(g):

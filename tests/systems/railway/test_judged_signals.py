@@ -5,6 +5,7 @@ import random
 import pytest
 from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator.run.run import run
+from cosimo.tests.scene_runs import finished
 
 SECOND, FURTHER = "second_pantograph.", "further_pantographs."
 
@@ -68,8 +69,7 @@ def made_up(seed):
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.full) for seed in (1, 5, 6, 9))])
 def test_a_scene_of_ones_own_is_judged_by_the_whole_force(seed):
     scene, count, both = made_up(seed)
-    plain = run(scene, in_process=True)
-    assert plain.outcome == "done"
+    plain = finished(scene)
     every = [f"{unit}.{name}" for unit, interface in scene.coupling.interfaces.items() for name in interface.outputs]
     whole = run(scene.with_changes({"record.signals": every}), in_process=True)
     ours, theirs = ({row.name: row.value for row in result.summary} for result in (plain, whole))

@@ -12,6 +12,7 @@ from cosimo.components.railway.line.from_table import resolved_sections
 from cosimo.components.railway.line.plan import arm_of
 from cosimo.components.railway.line.table import read_line, schema
 from cosimo.components.railway.statics import Statics, elasticity
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.railway.network import G, Network
 
 pytestmark = pytest.mark.interpreted
@@ -58,10 +59,7 @@ def form(text):
 
 def catenary(text, effects=("dropper_slackening", "gravity_sag"), **values):
     values = {"line_table.table": text, "method": "implicit", "first_watched_support": 0} | values
-    made = Catenary((*effects, "line_table"), values)
-    made.set("contact_position", 80.0)
-    made.initialize(0.0)
-    return made
+    return initialized(Catenary((*effects, "line_table"), values), {"contact_position": 80.0})
 
 
 def network(text, places=(), wires=((22e3, 1.35), (16e3, 1.08)), stitch=None, supports=500e3):

@@ -5,6 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.later import deviations
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.railway.network import G, Network
 
 LINE = """[[sections]]
@@ -20,10 +21,7 @@ WIDE = {"scatter.dropper_length": DROPPER, "scatter.support_height": SUPPORT, "s
 
 
 def built(effects=("scatter",), **more):
-    catenary = Catenary(["line_table", "dropper_slackening", *effects], {**VALUES, **more})
-    catenary.set("contact_position", 90.0)
-    catenary.initialize(0.0)
-    return catenary
+    return initialized(Catenary(["line_table", "dropper_slackening", *effects], {**VALUES, **more}), {"contact_position": 90.0})
 
 
 @pytest.mark.known_answers(Catenary="scatter")

@@ -9,6 +9,7 @@ from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.later import line_at
 from cosimo.components.railway.line.table import read_line
 from cosimo.orchestrator.cli.application import app
+from cosimo.tests.support import initialized
 from typer.testing import CliRunner
 
 EA, ALPHA, WEIGHT, TENSION = 11.64e6, 1.7e-5, 24.84, 16e3
@@ -121,10 +122,10 @@ def test_wear_of_the_model_is_that_of_the_form():
     values = {"line_table.table": text, "method": "implicit", "contact_position": 80.0}
 
     def model(*effects, **more):
-        catenary = Catenary(["line_table", *effects], {k: v for k, v in (values | more).items() if k != "contact_position"})
-        catenary.set("contact_position", 80.0)
-        catenary.initialize(0.0)
-        return catenary
+        return initialized(
+            Catenary(["line_table", *effects], {k: v for k, v in (values | more).items() if k != "contact_position"}),
+            {"contact_position": 80.0},
+        )
 
     plain, none, worn = model(), model("wear", **{"wear.share": 0.0}), model("wear", **{"wear.share": 0.2})
     _, form = at(text, worn=0.2)

@@ -5,6 +5,7 @@ import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.explicit import kick, margin
 from cosimo.components.railway.wires import add_jumps, state_rows, tension_and_bending
+from cosimo.tests.support import initialized
 
 METHODS = ["explicit", pytest.param("implicit", marks=pytest.mark.full)]
 LONG_STITCH = """
@@ -30,10 +31,7 @@ spans = [65, 65, 65]
 
 def line(text, method, effects=(), **values):
     values = {"line_table.table": text, "method": method, "element": 0.5, "substep": 5e-4, "first_watched_support": 0} | values
-    made = Catenary(("line_table", *effects), values)
-    made.set("contact_position", 30.0)
-    made.initialize(0.0)
-    return made
+    return initialized(Catenary(("line_table", *effects), values), {"contact_position": 30.0})
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -12,6 +12,7 @@ from cosimo.components.railway.line.table import read_line
 from cosimo.components.railway.statics import elasticity
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.cases.en50318_2018 import CONTACT, first_share
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.railway.network import G, Network
 
 PLACES = (305.0, 330.3, 352.0, 366.7, 380.0, 393.3, 408.0, 429.7)
@@ -24,13 +25,13 @@ def table():
 
 @cache
 def catenary(element):
-    made = Catenary(
-        ["dropper_slackening", "gravity_sag", "line_table", "second_wire"],
-        {"line_table.table": table(), "method": "implicit", "element": element},
+    return initialized(
+        Catenary(
+            ["dropper_slackening", "gravity_sag", "line_table", "second_wire"],
+            {"line_table.table": table(), "method": "implicit", "element": element},
+        ),
+        {"contact_position": 380.0},
     )
-    made.set("contact_position", 380.0)
-    made.initialize(0.0)
-    return made
 
 
 def networks():

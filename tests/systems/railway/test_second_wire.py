@@ -6,16 +6,17 @@ from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.components.railway.statics import elasticity
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.scene_runs import finished
+from cosimo.tests.support import initialized
 
 KC, F0 = 50e3, 120.0
 
 
 def pantograph(first, second, effects=(), **parameters):
-    made = Pantograph(["contact_loss", "second_wire", *effects], {"frame_stiffness": 0.0} | parameters)
-    made.set("wire_height", first)
-    made.set("second_wire.wire_height", second)
-    made.initialize(0.0)
-    return made
+    return initialized(
+        Pantograph(["contact_loss", "second_wire", *effects], {"frame_stiffness": 0.0} | parameters),
+        {"wire_height": first, "second_wire.wire_height": second},
+    )
 
 
 @pytest.mark.known_answers(Pantograph="second_wire")
@@ -69,10 +70,10 @@ def test_two_wires_at_one_height_are_a_contact_of_twice_the_stiffness():
 
 def overlap(effects=("dropper_slackening", "gravity_sag", "line_table", "second_wire")):
     settings = load_scene("overlap").units["catenary"]
-    made = Catenary(effects, {"line_table.table": settings.parameters["line_table.table"], "method": "implicit"})
-    made.set("contact_position", 380.0)
-    made.initialize(0.0)
-    return made
+    return initialized(
+        Catenary(effects, {"line_table.table": settings.parameters["line_table.table"], "method": "implicit"}),
+        {"contact_position": 380.0},
+    )
 
 
 def test_an_overlap_is_its_own_mirror_image():
@@ -117,10 +118,8 @@ def test_a_line_with_one_wire_has_the_second_out_of_reach():
 @pytest.mark.full
 def test_a_pantograph_passes_an_overlap_from_wire_to_wire():
     """It starts on the first, leaves on the second, and touches both over a span or more; it never loses contact."""
-    from cosimo.orchestrator.run.run import run
 
-    result = run(load_scene("overlap").with_changes({"record.snapshots": [], "record.snapshot_interval": None}), in_process=True)
-    assert result.outcome == "done"
+    result = finished(load_scene("overlap").with_changes({"record.snapshots": [], "record.snapshot_interval": None}))
     x, first = result["pantograph.contact_position"], result["pantograph.contact_force"]
     second = result["pantograph.second_wire.contact_force"]
     assert second[x < 330.0].max() == 0.0

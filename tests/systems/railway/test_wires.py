@@ -8,6 +8,7 @@ from cosimo.components.railway.mesh import Mesh, packed, unpacked
 from cosimo.components.railway.stiffness import stiffness_of_wires
 from cosimo.components.railway.wires import state_rows
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 
 METHODS = ["explicit", "implicit"]
 
@@ -16,9 +17,7 @@ def bare_wire(method: str, length: float = 120.0, effects=(), **parameters) -> C
     """A contact wire with one dropper so soft (1 N/m against 20 kN of tension) that it takes no part."""
     values = {"spans": 1, "span_length": length, "droppers": 1, "dropper_position[1]": 2.0, "dropper_stiffness": 1.0}
     whole = {"front_threshold": 0.0} if method == "explicit" else {}  # it moves far ahead of the contact point, too
-    catenary = Catenary(effects, values | {"method": method, "element": 0.5, "substep": 5e-4} | parameters | whole)
-    catenary.initialize(0.0)
-    return catenary
+    return initialized(Catenary(effects, values | {"method": method, "element": 0.5, "substep": 5e-4} | parameters | whole))
 
 
 def launch(catenary: Catenary, centre: float, width: float) -> np.ndarray:

@@ -7,15 +7,14 @@ import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.components.rotor.modal import modes
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 
 FRISWELL = ("gyroscopic", "disks", "linear_supports")
 SUPPORTED = {"bearing_a": 0.0, "bearing_b": 1.5}
 
 
 def started(effects, **parameters) -> BeamRotor:
-    rotor = BeamRotor(effects, parameters)
-    rotor.initialize(0.0)
-    return rotor
+    return initialized(BeamRotor(effects, parameters))
 
 
 def steady_unbalance(rotor: BeamRotor, speed: float, moment: float, node: int) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.components.rotor.model import DOFS
+from cosimo.tests.support import initialized
 from scipy.linalg import expm
 
 SPEED = 300.0
@@ -14,9 +15,7 @@ RATES = {"frame_rotation.rate_x": 0.3, "frame_rotation.rate_y": -0.2}
 
 
 def started(effects=EFFECTS, **parameters) -> BeamRotor:
-    rotor = BeamRotor(effects, {"start_speed": SPEED, **parameters})
-    rotor.initialize(0.0)
-    return rotor
+    return initialized(BeamRotor(effects, {"start_speed": SPEED, **parameters}))
 
 
 def moment(rotor: BeamRotor) -> np.ndarray:

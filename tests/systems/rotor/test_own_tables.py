@@ -9,6 +9,7 @@ from cosimo.components.rotor.modal import critical_speeds, critical_speeds_of, e
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rotor.cases import ross_examples
+from cosimo.tests.support import initialized
 from scipy.integrate import solve_ivp
 
 pytestmark = pytest.mark.interpreted
@@ -30,9 +31,7 @@ GIVEN = {
 
 
 def rotor(effects=("support_table",), **parameters) -> BeamRotor:
-    unit = BeamRotor(effects, {"element": 0.25} | {n.replace("__", "."): v for n, v in parameters.items()})
-    unit.initialize(0.0)
-    return unit
+    return initialized(BeamRotor(effects, {"element": 0.25} | {n.replace("__", "."): v for n, v in parameters.items()}))
 
 
 @pytest.mark.known_answers(BeamRotor=("support_table", "disk_table"))

@@ -9,6 +9,7 @@ from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.rotor.modal import critical_speeds, eigenvalues, modes
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.rotor.linear_bearing import MOTION
 
 FRISWELL = ("gyroscopic", "disks", "linear_supports")
@@ -18,9 +19,7 @@ SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in 
 
 
 def started(effects, **parameters) -> BeamRotor:
-    rotor = BeamRotor(effects, parameters)
-    rotor.initialize(0.0)
-    return rotor
+    return initialized(BeamRotor(effects, parameters))
 
 
 @pytest.mark.full

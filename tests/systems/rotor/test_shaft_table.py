@@ -5,6 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from scipy.linalg import eigh, expm
 from scipy.optimize import brentq
 
@@ -22,9 +23,7 @@ TABLE = (
 
 
 def rotor(table: str, element: float = 0.1, effects=("linear_supports",), **parameters) -> BeamRotor:
-    unit = BeamRotor(["shaft_table", *effects], {"shaft_table.table": table, "element": element, **parameters})
-    unit.initialize(0.0)
-    return unit
+    return initialized(BeamRotor(["shaft_table", *effects], {"shaft_table.table": table, "element": element, **parameters}))
 
 
 def properties(row) -> tuple[float, float, float, float]:

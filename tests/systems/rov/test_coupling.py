@@ -9,6 +9,7 @@ from cosimo.components.core.kernels import in_python
 from cosimo.components.rov.coupling import fill_drag, fill_masses, least_square_power
 from cosimo.components.rov.hull import RovHull
 from cosimo.components.rov.vehicles import AXES
+from cosimo.tests.support import initialized
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize, root
 from scipy.spatial.transform import Rotation
@@ -75,9 +76,7 @@ def velocity(hull: RovHull) -> np.ndarray:
 
 
 def started(effects, parameters) -> RovHull:
-    hull = RovHull(effects, parameters)
-    hull.initialize(0.0)
-    return hull
+    return initialized(RovHull(effects, parameters))
 
 
 @pytest.mark.known_answers(RovHull="added_mass_coupling")

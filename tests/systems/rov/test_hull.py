@@ -8,6 +8,7 @@ from cosimo.components.rov.hull import RovHull
 from cosimo.components.rov.hull_equations import hull_derivatives
 from cosimo.components.rov.vehicles import AXES, WATER
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
@@ -22,9 +23,7 @@ FREE = ("added_mass", "coriolis", "restoring")
 
 
 def started(effects, **parameters) -> RovHull:
-    hull = RovHull(effects, parameters)
-    hull.initialize(0.0)
-    return hull
+    return initialized(RovHull(effects, parameters))
 
 
 def push(hull: RovHull, *loads: float) -> RovHull:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.rov.hull import RovHull
 from cosimo.components.rov.vehicles import WATER
+from cosimo.tests.support import initialized
 from scipy.spatial.transform import Rotation
 
 BALL = {f"inertia_{a}": 0.16 for a in "xyz"} | {"centre_of_gravity_z": 0.0}  # keeps any angular velocity
@@ -18,9 +19,7 @@ ANGLES = ("roll", "pitch", "yaw")
 
 
 def started(effects=FREE, **parameters) -> RovHull:
-    hull = RovHull(effects, parameters)
-    hull.initialize(0.0)
-    return hull
+    return initialized(RovHull(effects, parameters))
 
 
 def quaternion(hull: RovHull) -> np.ndarray:

@@ -9,6 +9,7 @@ from cosimo.components.rov.hull import RovHull
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.rov.own_vehicle import FLIPS, read_vehicle, vehicle_scene
 from cosimo.tests.scene_runs import finished
+from cosimo.tests.support import initialized
 
 ADDED = np.diag([6.0, 7.0, 18.0, 0.2, 0.15, 0.22]) + 0.02 * (1.0 - np.eye(6))
 DRAG = np.diag([10.0, 12.0, 30.0, 0.5, 0.6, 0.4]) + 0.01 * np.arange(36.0).reshape(6, 6) * (1.0 - np.eye(6))
@@ -41,9 +42,7 @@ def toml(value) -> str:
 
 def hull(path) -> RovHull:
     unit = read_scene(vehicle_scene(path), "own").units["hull"]
-    component = RovHull(unit.effects, unit.parameters)
-    component.initialize(0.0)
-    return component
+    return initialized(RovHull(unit.effects, unit.parameters))
 
 
 def test_the_matrices_of_a_file_are_those_of_the_hull(tmp_path):

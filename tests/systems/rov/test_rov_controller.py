@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
 from cosimo.components.rov.controller import RovController
+from cosimo.tests.support import initialized
 from scipy.spatial.transform import Rotation
 
 pytestmark = pytest.mark.interpreted
@@ -19,8 +20,7 @@ MOTION = ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")
 def started(*effects, inputs=(), **parameters) -> RovController:
     controller = RovController(effects, {k.replace("__", "."): v for k, v in parameters.items()})
     see(controller, inputs)
-    controller.initialize(0.0)
-    return controller
+    return initialized(controller)
 
 
 def see(controller: RovController, inputs) -> None:

@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.rov.arrangement import HORIZONTAL_RADIUS
 from cosimo.components.rov.thrust_curve import ROWS, T200_COMMAND, T200_THRUST, curve_command, curve_thrust
 from cosimo.components.rov.thruster import Thruster
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.scene_runs import finished
 
 JUMP = {
     f"{name}[{k + 1}]": v
@@ -22,7 +22,7 @@ JUMP = {
 
 def turned(inverse: bool, stop: float = 60.0):
     """A neutral vehicle in still water that is to turn by 0.3 rad, with much integral action; thrusters with a dead band."""
-    result = run(
+    result = finished(
         load_scene("rov-station-keeping").with_changes(
             {
                 "stop_time": stop,
@@ -32,10 +32,8 @@ def turned(inverse: bool, stop: float = 60.0):
                 "units.controller.effects": ["inverse_curve"] if inverse else [],
                 "units.controller.parameters": {"set_depth": 5.0, "set_yaw": 0.3, "attitude_integral_gain[3]": 6.0},
             }
-        ),
-        in_process=True,
+        )
     )
-    assert result.outcome == "done", result.message
     return result
 
 
@@ -132,7 +130,7 @@ def test_a_far_set_point_is_reached(reach, kept):
     """Tens of metres off. Within a reach of 1 m thrusters have enough left for the attitude; answered in full, the error takes
     nearly all of the wrench, which is scaled as a whole, and the vehicle turns over on its way; it arrives either way."""
     way = np.array([15.0, -12.0, 5.0])
-    result = run(
+    result = finished(
         load_scene("rov-station-keeping").with_changes(
             {
                 "stop_time": 90.0,
@@ -145,10 +143,8 @@ def test_a_far_set_point_is_reached(reach, kept):
                     "reach": reach,
                 },
             }
-        ),
-        in_process=True,
+        )
     )
-    assert result.outcome == "done", result.message
     position = np.array([result[f"hull.{n}"] for n in ("position_north", "position_east", "depth")]) - [[0.0], [0.0], [5.0]]
     np.testing.assert_allclose(position[:, -1], way, atol=0.05)
     assert (np.abs(result["hull.yaw"]).max() < 0.3 and np.abs(result["hull.pitch"]).max() < 0.3) == kept

@@ -5,6 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.rov.controller import NAVIGATION
 from cosimo.components.rov.sensors import FIRST, HOUR, RovSensors
+from cosimo.tests.support import initialized
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2, kstest, norm
 
@@ -19,8 +20,7 @@ def sensors(effects=(), inputs=(), **parameters) -> RovSensors:
     component = RovSensors(effects, parameters)
     for name, value in dict(inputs).items():
         component[name] = value
-    component.initialize(0.0)
-    return component
+    return initialized(component)
 
 
 def samples(component: RovSensors, count: int) -> np.ndarray:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.rov.tether import Tether
+from cosimo.tests.support import initialized
 from scipy.optimize import brentq
 
 WAYS = ("north", "east", "down")
@@ -15,8 +16,7 @@ AREA = 0.25 * math.pi * 7.5e-3**2
 def started(*effects, end=(0.0, 0.0, 0.0), **parameters) -> Tether:
     tether = Tether(effects, {k.replace("__", "."): v for k, v in parameters.items()})
     put(tether, end)
-    tether.initialize(0.0)
-    return tether
+    return initialized(tether)
 
 
 def put(tether: Tether, end, velocity=(0.0, 0.0, 0.0)) -> None:

@@ -8,6 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.rov.thrust_curve import T200_COMMAND, T200_THRUST, curve_command, curve_thrust
 from cosimo.components.rov.thruster import Thruster
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.interpreted
@@ -19,8 +20,7 @@ POLYNOMIAL = {1.0: 30.4, 0.5: 16.594, -0.5: -16.594, 0.0: 0.0}  # N, von Benzon'
 def started(*effects, command=0.0, **parameters) -> Thruster:
     thruster = Thruster(effects, {k.replace("__", "."): v for k, v in parameters.items()})
     thruster["command"] = command
-    thruster.initialize(0.0)
-    return thruster
+    return initialized(thruster)
 
 
 @pytest.mark.parametrize(

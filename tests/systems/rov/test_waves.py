@@ -7,6 +7,7 @@ import pytest
 from cosimo import BadInput
 from cosimo.components.rov.current import WaterCurrent
 from cosimo.components.rov.waves import AMPLITUDE, FREQUENCY, GRAVITY, NUMBER, jonswap, wave_number
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -27,9 +28,7 @@ def at(current: WaterCurrent, place: np.ndarray, t: float = 0.0) -> np.ndarray:
 def waves(*, mean: float = 0.0, **parameters: float) -> WaterCurrent:
     """Waves that slant, on a current along them."""
     flow = {"speed": abs(mean), "direction": SLANTING["waves.direction"] + (math.pi if mean < 0.0 else 0.0)}
-    current = WaterCurrent(("waves",), flow | SLANTING | {f"waves.{n}": v for n, v in parameters.items()})
-    current.initialize(0.0)
-    return current
+    return initialized(WaterCurrent(("waves",), flow | SLANTING | {f"waves.{n}": v for n, v in parameters.items()}))
 
 
 def components(current: WaterCurrent) -> np.ndarray:

@@ -8,6 +8,7 @@ import pytest
 from cosimo.components.two_axis_joint.closed_forms import friction_turning_points, governor, governor_speed
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.two_axis_joint.exact_motions import (
     inertial_period,
     nutation_frequency,
@@ -25,9 +26,7 @@ GOVERNOR = {"cross_inertia": 0.06, "inner_inertia": 0.06, "axial_inertia": 0.02}
 
 
 def gimbal(effects=(), **parameters) -> GimbalBody:
-    body = GimbalBody(effects, parameters)
-    body.initialize(0.0)
-    return body
+    return initialized(GimbalBody(effects, parameters))
 
 
 def course(body: GimbalBody, duration: float, h: float) -> np.ndarray:

@@ -9,16 +9,13 @@ from cosimo.components.two_axis_joint.controller import GimbalController
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
 
 def controller(effects=(), inputs=None, **parameters) -> GimbalController:
-    unit = GimbalController(effects, parameters)
-    for name, value in (inputs or {}).items():
-        unit.set(name, value)
-    unit.initialize(0.0)
-    return unit
+    return initialized(GimbalController(effects, parameters), inputs)
 
 
 def test_the_law_at_the_first_sample_and_its_integral():

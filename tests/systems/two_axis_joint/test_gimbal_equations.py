@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.two_axis_joint.gimbal import GimbalBody, gimbal_derivatives
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -22,9 +23,7 @@ SEEDS = range(5)
 
 
 def gimbal(effects, orientation, **parameters) -> GimbalBody:
-    body = GimbalBody(effects, INERTIAS | {"axis_orientation": orientation} | parameters)
-    body.initialize(0.0)
-    return body
+    return initialized(GimbalBody(effects, INERTIAS | {"axis_orientation": orientation} | parameters))
 
 
 def placed(body: GimbalBody, seed: int) -> tuple[np.ndarray, np.ndarray]:

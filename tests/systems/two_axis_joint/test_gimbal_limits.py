@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.full
 
@@ -17,14 +18,9 @@ GYRO = {
 
 
 def gimbal(effects=(), inputs=None, **parameters) -> GimbalBody:
-    body = GimbalBody(effects, parameters)
-    for name, value in (inputs or {}).items():
-        body.set(name, value)
-    body.initialize(0.0)
-    return body
+    return initialized(GimbalBody(effects, parameters), inputs)
 
 
-# -- gimbal lock -------------------------------------------------------------------------------------------------------------
 # -- dry friction --------------------------------------------------------------------------------------------------------------
 def shaken(body: GimbalBody, amplitudes, frequencies, duration: float, h: float) -> float:
     """Step under sinusoidal torques, each a parabola in a step; returns the work they did, by Simpson's rule."""
@@ -133,7 +129,6 @@ def test_friction_holds_an_axis_against_the_gyroscopic_torque_of_the_other_up_to
             assert body["inner_angle"] == pytest.approx(0.2, rel=1e-12)
 
 
-# -- spinning rotor --------------------------------------------------------------------------------------------------------------
 # -- stops and steps -------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("h", [1e-3, 0.5])
 def test_a_torque_into_a_stop_comes_to_rest_on_it(h):

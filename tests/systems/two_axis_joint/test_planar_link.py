@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.compliant_joint import CompliantJoint
 from cosimo.components.two_axis_joint.link import LOADS, PlanarLink, link_derivatives
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 from cosimo.tests.systems.two_axis_joint.exact_motions import pendulum_motion
 from scipy.integrate import solve_ivp
@@ -18,9 +19,7 @@ ROD = {"mass": 0.8, "length": 1.2, "centre": 0.5, "inertia": 0.09}
 
 
 def started(effects=(), **parameters) -> PlanarLink:
-    link = PlanarLink(effects, parameters)
-    link.initialize(0.0)
-    return link
+    return initialized(PlanarLink(effects, parameters))
 
 
 @pytest.mark.known_answers(PlanarLink="gravity")

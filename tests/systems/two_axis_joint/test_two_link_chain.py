@@ -8,6 +8,7 @@ from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.chain_equations import chain_derivatives, chain_energy
 from cosimo.components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -30,9 +31,7 @@ SMOOTH = ("gravity", "viscous", "smoothed_friction", "stops", "reactions")
 
 
 def started(effects=(), preset: str = "", **parameters) -> TwoLinkChain:
-    unit = TwoLinkChain(effects, parameters, preset=preset)
-    unit.initialize(0.0)
-    return unit
+    return initialized(TwoLinkChain(effects, parameters, preset=preset))
 
 
 def starting(angles, rates=(0.0, 0.0)) -> dict[str, float]:

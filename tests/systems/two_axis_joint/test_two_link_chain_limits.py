@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
+from cosimo.tests.support import initialized
 from scipy.integrate import solve_ivp
 
 G = 9.81
@@ -15,9 +16,7 @@ HIGH = {"start_first_angle": 2.5, "start_second_angle": 2.9}
 
 
 def started(effects=("gravity",), **parameters) -> TwoLinkChain:
-    unit = TwoLinkChain(effects, parameters)
-    unit.initialize(0.0)
-    return unit
+    return initialized(TwoLinkChain(effects, parameters))
 
 
 @pytest.mark.full

@@ -8,6 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.converter import FREE, MODE, RATE, SPEED, VELOCITY, InertialConverter, converter_derivatives
 from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
@@ -28,11 +29,7 @@ HEAVY = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "
 
 
 def started(effects=(), turbine=20.0, load=0.0, **parameters) -> InertialConverter:
-    converter = InertialConverter(effects, {**EXAMPLE, **parameters})
-    converter.set("turbine_speed", turbine)
-    converter.set("load_torque", load)
-    converter.initialize(0.0)
-    return converter
+    return initialized(InertialConverter(effects, {**EXAMPLE, **parameters}), {"turbine_speed": turbine, "load_torque": load})
 
 
 def mean_torques(crank: float, speed: float, revolutions: int = 10, effects=(), **parameters) -> tuple[float, float, int]:
@@ -206,11 +203,7 @@ def test_gear_friction_takes_its_share_of_the_torque():
 
 
 def turning(effects=(), turbine=3.0, load=0.0, **parameters) -> InertialConverter:
-    converter = InertialConverter(effects, parameters)
-    converter.set("turbine_speed", turbine)
-    converter.set("load_torque", load)
-    converter.initialize(0.0)
-    return converter
+    return initialized(InertialConverter(effects, parameters), {"turbine_speed": turbine, "load_torque": load})
 
 
 def per_work(converter: InertialConverter, duration: float) -> int:

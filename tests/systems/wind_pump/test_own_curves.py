@@ -9,6 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.integrators import RK4_STABILITY_RADIUS
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
 from cosimo.components.wind_pump.turbine import WindTurbine, wind_torque
+from cosimo.tests.support import initialized
 from scipy.interpolate import PchipInterpolator
 
 pytestmark = pytest.mark.interpreted
@@ -20,10 +21,9 @@ AFFINE = "pitch [deg],tip_speed_ratio,torque_coefficient\n" + "".join(
 
 
 def turbine(table: str, effects=(), wind=5.0, **parameters) -> WindTurbine:
-    unit = WindTurbine(["performance_table", *effects], {"performance_table.table": table, **parameters})
-    unit.set("wind", wind)
-    unit.initialize(0.0)
-    return unit
+    return initialized(
+        WindTurbine(["performance_table", *effects], {"performance_table.table": table, **parameters}), {"wind": wind}
+    )
 
 
 def powers(ratios=RATIOS, values=POWERS) -> str:
@@ -130,11 +130,7 @@ def sheet(last=2.0, efficiency=True) -> str:
 
 
 def pump(table: str, speed: float, head: float) -> CentrifugalPump:
-    unit = CentrifugalPump(["curve_table"], {"curve_table.table": table})
-    unit.set("speed", speed)
-    unit.set("head", head)
-    unit.initialize(0.0)
-    return unit
+    return initialized(CentrifugalPump(["curve_table"], {"curve_table.table": table}), {"speed": speed, "head": head})
 
 
 @pytest.mark.known_answers(CentrifugalPump="curve_table")

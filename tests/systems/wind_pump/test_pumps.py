@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
 from cosimo.components.wind_pump.piston_pump import PistonPump
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -15,11 +16,7 @@ VOLUME = 0.25 * math.pi * 0.06**2 * 0.15
 
 def piston(parameters=None, effects=(), speed=4.0, head=20.0, angle=0.0):
     """A piston pump that turns at a speed against a head."""
-    pump = PistonPump(effects, (parameters or {}) | {"start_angle": angle})
-    pump.set("speed", speed)
-    pump.set("head", head)
-    pump.initialize(0.0)
-    return pump
+    return initialized(PistonPump(effects, (parameters or {}) | {"start_angle": angle}), {"speed": speed, "head": head})
 
 
 def over_a_turn(name, parameters=None, effects=()):
@@ -92,11 +89,7 @@ def test_volume_of_a_stroke_passes_in_a_revolution():
 # -- centrifugal -----------------------------------------------------------------------------------------------------------
 def centrifugal(speed, head, parameters=None, effects=()):
     """A centrifugal pump at a speed against a head."""
-    pump = CentrifugalPump(effects, parameters)
-    pump.set("speed", speed)
-    pump.set("head", head)
-    pump.initialize(0.0)
-    return pump
+    return initialized(CentrifugalPump(effects, parameters), {"speed": speed, "head": head})
 
 
 @pytest.mark.parametrize("factor", [0.01, 0.5, 1.7])

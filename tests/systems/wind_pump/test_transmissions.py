@@ -11,6 +11,7 @@ from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING, shaft_gu
 from cosimo.components.wind_pump.fixed import FixedTransmission
 from cosimo.components.wind_pump.planetary import SHAFTS, PlanetaryTransmission
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
@@ -26,11 +27,7 @@ ARRANGEMENTS = list(itertools.permutations(SHAFTS, 2))
 
 def started(cls, effects=(), parameters=None, turbine_speed=0.0, load_torque=0.0):
     """An initialized transmission with its inputs."""
-    transmission = cls(effects, parameters)
-    transmission.set("turbine_speed", turbine_speed)
-    transmission.set("load_torque", load_torque)
-    transmission.initialize(0.0)
-    return transmission
+    return initialized(cls(effects, parameters), {"turbine_speed": turbine_speed, "load_torque": load_torque})
 
 
 CASES = [

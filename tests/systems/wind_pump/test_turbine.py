@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.wind_pump.turbine import WindTurbine, turbine_derivatives
 from cosimo.tests.slopes import slope
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -15,11 +16,7 @@ FULL = 0.5 * 1.225 * AREA * 1.5 * 0.5  # N.m per (m/s)², torque of the default 
 
 def running(effects=(), parameters=None, wind=5.0, torque=0.0):
     """An initialized turbine in a constant wind."""
-    turbine = WindTurbine(effects, parameters)
-    turbine.set("wind", wind)
-    turbine.set("torque", torque)
-    turbine.initialize(0.0)
-    return turbine
+    return initialized(WindTurbine(effects, parameters), {"wind": wind, "torque": torque})
 
 
 @pytest.mark.parametrize("load", [0.0, 20.0])

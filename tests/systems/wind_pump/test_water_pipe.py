@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.wind_pump.pipe import WaterPipe, pipe_derivatives
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -15,8 +16,7 @@ def unit(effects=(), parameters=None, flow=0.0, **inputs):
     pipe.set("flow", flow)
     for name, value in inputs.items():
         pipe.set(name.replace("_", ".", 1), value)
-    pipe.initialize(0.0)
-    return pipe
+    return initialized(pipe)
 
 
 @pytest.mark.known_answers(WaterPipe="friction")

@@ -1,8 +1,8 @@
 """Everything at rest, and nothing to overcome: drive and load are equal to the last bit, and the wind rises from there."""
 
 import pytest
-from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.scene_runs import finished
 
 pytestmark = pytest.mark.full
 
@@ -29,8 +29,7 @@ def calm(transmission, load, seconds=2.0):
 @pytest.mark.parametrize("transmission", TRANSMISSIONS)
 @pytest.mark.parametrize("load", [0.0, None])
 def test_the_wind_rises_from_a_calm(transmission, load):
-    result = run(calm(transmission, load), in_process=True)
-    assert result.outcome == "done", result.message
+    result = finished(calm(transmission, load))
     assert result["gear.speed"].min() >= 0.0
     assert result["gear.speed"][0] == 0.0
     assert result["gear.speed"].max() > 0.0
@@ -39,7 +38,6 @@ def test_the_wind_rises_from_a_calm(transmission, load):
 @pytest.mark.parametrize("transmission", TRANSMISSIONS)
 def test_a_calm_stays_calm(transmission):
     scene = calm(transmission, None, 1.0).with_changes({"units.wind.effects": [], "units.wind.parameters": {"mean_speed": 0.0}})
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
+    result = finished(scene)
     assert not result["gear.speed"].any()
     assert not result["turbine.speed"].any()

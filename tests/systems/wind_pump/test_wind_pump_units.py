@@ -11,7 +11,7 @@ from cosimo.components.wind_pump.piston_pump import PistonPump
 from cosimo.components.wind_pump.planetary import PlanetaryTransmission
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wind_pump.wind import Wind
-from cosimo.orchestrator.run.run import run
+from cosimo.tests.scene_runs import finished
 
 STANDSTILL_TORQUE = 0.5 * 1.225 * math.pi * 1.5**3 * 0.5  # N.m per (m/s)² of wind, default windmill
 PEAK = 1000.0 * 9.81 * 20.0 * 0.25 * math.pi * 0.06**2 * 0.075  # N.m, default pump
@@ -259,8 +259,7 @@ def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
             "record": {"signals": ["gear.speed", "pump.flow", "pipe.head"]},
         }
     )
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
+    result = finished(scene)
     n, flow = result["gear.speed"] / 150.0, result["pump.flow"]
     a, b, c = 6.3e6, 2e3 * n, np.minimum(10.0 - 30.0 * n**2, 0.0)
     np.testing.assert_allclose(flow, (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a), atol=1e-9)

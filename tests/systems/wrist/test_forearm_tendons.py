@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.wrist.tendons import COUNT, MUSCLES, ForearmTendons
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -18,8 +19,7 @@ def tendons(effects=(), excitation=None, parameters=None, **inputs) -> ForearmTe
         made.set(f"excitation[{i + 1}]", value)
     for name, value in inputs.items():
         made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(made)
 
 
 def everything(name, made):

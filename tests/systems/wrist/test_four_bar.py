@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.wrist.linkage_limits import crank_limits, rocker_extremes, transmission_extremes
 
 pytestmark = pytest.mark.interpreted
@@ -22,12 +23,10 @@ LINKAGES = {
 
 
 def four_bar(angle=0.5 * math.pi, rate=0.0, load=0.0, lengths=CRANK_ROCKER, effects=(), **parameters) -> FourBar:
-    made = FourBar(effects, dict(zip(NAMES, lengths, strict=True)) | parameters)
-    made.set("input_angle", angle)
-    made.set("input_rate", rate)
-    made.set("load_torque", load)
-    made.initialize(0.0)
-    return made
+    return initialized(
+        FourBar(effects, dict(zip(NAMES, lengths, strict=True)) | parameters),
+        {"input_angle": angle, "input_rate": rate, "load_torque": load},
+    )
 
 
 def angles(lengths, count=60):

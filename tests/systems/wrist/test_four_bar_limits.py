@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.wrist.linkage_limits import crank_limits
 
 pytestmark = pytest.mark.full
@@ -26,11 +27,9 @@ CHANGE_POINTS = {
 
 
 def four_bar(lengths, angle, rate=1.0, **parameters) -> FourBar:
-    made = FourBar((), dict(zip(NAMES, lengths, strict=True)) | parameters)
-    made.set("input_angle", angle)
-    made.set("input_rate", rate)
-    made.initialize(0.0)
-    return made
+    return initialized(
+        FourBar((), dict(zip(NAMES, lengths, strict=True)) | parameters), {"input_angle": angle, "input_rate": rate}
+    )
 
 
 def test_the_ratio_at_the_toggle_grows_as_one_over_the_root_of_the_distance():

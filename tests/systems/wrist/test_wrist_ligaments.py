@@ -19,6 +19,7 @@ from cosimo.components.wrist.ligament_springs import (
 from cosimo.components.wrist.ligaments import LigamentBundle
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.interpreted
 
@@ -37,15 +38,11 @@ TAUT = {"prestrain": 0.05, "toe": 0.02}
 
 
 def bundle(**parameters) -> LigamentBundle:
-    made = LigamentBundle((), parameters)
-    made.initialize(0.0)
-    return made
+    return initialized(LigamentBundle((), parameters))
 
 
 def wrist(parameters=None, effects=("morphology", "constraint")) -> Wrist:
-    made = Wrist(effects, parameters or {})
-    made.initialize(0.0)
-    return made
+    return initialized(Wrist(effects, parameters or {}))
 
 
 def ligaments(**parameters):

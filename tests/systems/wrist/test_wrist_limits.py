@@ -8,6 +8,7 @@ from cosimo.components.core.errors import StepFailed
 from cosimo.components.wrist.kinematics import PROXIMAL_TILT, RULES, Axes, forward, inverse, small_angle_matrix
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
+from cosimo.tests.support import initialized
 
 pytestmark = pytest.mark.full
 
@@ -16,14 +17,9 @@ ALL = ("morphology", "constraint", "interaction", "load")
 
 
 def wrist(effects=("morphology",), inputs=None, **parameters) -> Wrist:
-    made = Wrist(effects, {name.replace("__", "."): value for name, value in parameters.items()})
-    for name, value in (inputs or {}).items():
-        made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(Wrist(effects, {name.replace("__", "."): value for name, value in parameters.items()}), inputs)
 
 
-# -- axes that lose a motion -----------------------------------------------------------------------------------------------
 # -- limits ------------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("stiffness", [200.0, 2000.0, 2e4])
 def test_a_hard_limit_stops_the_hand_within_what_its_energy_allows(stiffness):
@@ -116,7 +112,6 @@ def test_five_stiff_springs_hold_both_rows_by_their_tension(stiffness):
     assert made.x[:2] == pytest.approx(expected, rel=1e-4)
 
 
-# -- inertia and stiffness -------------------------------------------------------------------------------------------------
 # -- long steps and lost hands -----------------------------------------------------------------------------------------------
 def test_one_long_step_is_many_short_ones():
     start = {"start_proximal_angle": 0.5, "start_distal_angle": -0.6, "substep": 4e-3}

@@ -8,6 +8,7 @@ from cosimo.components.wrist.kinematics import DISTAL_TILT, PROXIMAL_TILT, ROW_O
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import gyroscopic, hand_of, mass_matrix, wrist_derivatives, wrist_pose
 from cosimo.tests.slopes import orders
+from cosimo.tests.support import initialized
 from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 from scipy.optimize import minimize
@@ -32,11 +33,7 @@ MASS, DISTANCE, TRANSVERSE, AXIAL, ROW = 0.45, 0.07, 1e-3, 4e-4, 1e-5
 
 
 def wrist(effects=(), parameters=None, inputs=None) -> Wrist:
-    made = Wrist(effects, parameters or {})
-    for name, value in (inputs or {}).items():
-        made.set(name, value)
-    made.initialize(0.0)
-    return made
+    return initialized(Wrist(effects, parameters or {}), inputs)
 
 
 def turn(axis: np.ndarray, angle: complex) -> np.ndarray:
