@@ -59,7 +59,9 @@ def nearest(name: str, names) -> str:
     from difflib import SequenceMatcher, get_close_matches
 
     names = list(dict.fromkeys(names))
-    near = get_close_matches(name, names, n=3, cutoff=0.5)
+    last = name.rpartition(".")[2]
+    same = [other for other in names if "." in name and other.rpartition(".")[2] == last]  # as "total_force" of whichever part
+    near = get_close_matches(name, same, n=3, cutoff=0.5) or get_close_matches(name, names, n=3, cutoff=0.5)
     likeness = [SequenceMatcher(None, name, other).ratio() for other in near]
     near = [other for other, ratio in zip(near, likeness, strict=True) if ratio > likeness[0] - 0.1]
     if near:

@@ -88,6 +88,10 @@ class Pantograph(OdeComponent):
     )
     ports = {"contact": ("contact_position", "contact_force", "wire_height", "wire_compliance")}
     port_members = {"wire_compliance": "contact_compliance"}  # as the wire calls it
+    sums = {
+        "second_wire.total_force": ("contact_force", "second_wire.contact_force"),
+        "two_strips.total_force": ("contact_force", "two_strips.contact_force"),
+    }
     default_stop = 2.0
 
     contact_loss = ContactLoss
@@ -446,7 +450,7 @@ def pantograph_outputs(t, s, p, e):
     if e.two_strips is not None:
         i, k = first_strip(e), e.two_strips.y
         y[k], y[k + 1] = rear, y[OUT.contact_position] - e.two_strips.distance
-        y[k + 2], y[k + 3], y[k + 4] = x[i], x[i + 2], x[i + 4]
+        y[k + 2], y[k + 3], y[k + 4], y[k + 5] = x[i], x[i + 2], x[i + 4], y[OUT.contact_force] + rear
     if e.second_wire is not None:
         y[e.second_wire.y], y[e.second_wire.y + 1] = rear, y[OUT.contact_force] + rear
     if e.actuator is not None:

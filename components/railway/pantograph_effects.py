@@ -79,6 +79,12 @@ class TwoStrips(Effect):
     front_height = output("m", "height of the front strip", nominal=0.05)
     rear_height = output("m", "height of the rear strip", nominal=0.05)
     pitch = output("rad", "pitch of the head, positive with the front up", nominal=0.01)
+    total_force = output(
+        "N",
+        "force of both strips",
+        nominal=100.0,
+        feedthrough=("wire_height", "wire_compliance", ".wire_height", ".wire_compliance"),
+    )
 
 
 class SecondWire(Effect):

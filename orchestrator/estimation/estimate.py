@@ -12,6 +12,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ..scene.scene import Scene
 from ..scene.shorter_steps import shorter
+from ..scene.sums import parts_alone
 from ..settings.estimate import EstimateSettings
 from .answer import Estimate, Parameter
 from .figures import figure_bands
@@ -171,6 +172,8 @@ class Record:
         seen = history(done.track, self.plan.smooth)
         seen = replace(seen, values=seen.values[:, kept], deviations=seen.deviations[:, kept])
         judgement = verdict(self.measured, innovations, model.unknowns, q, deviations, suspects)
+        places = {name: k for k, name in enumerate(names)}
+        remarks += parts_alone(model.scene, sensors.signals, lambda name: seen.values[:, places[name]])
         remarks += [f"{self.left_out} measurements lie before the first step, and are left out"] * bool(self.left_out)
         how = HOW[filtered.name].format(self.plan.members)
         why = "as asked for" if self.plan.filter else f"by default, {len(model.state)} states"

@@ -94,7 +94,7 @@ def sweep(
     settings = sweep_settings(scene) if plan is None else plan_settings(plan, scene=scene)
     settings = with_rows(settings, table=limits, conditions=conditions, scene=scene)
     chosen = plan_of(scene, _with_more(settings, add), cube)
-    task = Task.of(scene, settings.keep, summarize)
+    task = Task.of(scene, settings.keep, summarize, (*columns, *settings.limits))
     check_analysis(task.scene())
     known = all([check_columns(task, settings.limits, "limits"), check_columns(task, columns, "quantities")])
     with points_directory(directory, "cosimo-sweep-") as folder:

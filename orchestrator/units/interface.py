@@ -91,6 +91,9 @@ class Interface:
     arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of what is an array of FMI 3
     ports: Mapping[str, Any] = field(default_factory=dict)  # ports of a component, and what variables are called in them, as
     port_members: Mapping[str, str] = field(default_factory=dict)  # the attributes of its class have them
+    sums: Mapping[str, tuple[str, ...]] = field(
+        default_factory=dict
+    )  # outputs of a component -> their parts, as its class has them
     terminals: Terminals = field(default_factory=Terminals)  # ports of an FMU
     remarks: tuple[str, ...] = ()  # what a user of the unit should know, for the warnings of a run
     foreign: bool = False  # an FMU that a scene names: what it gives may be no number where nothing uses it

@@ -64,6 +64,15 @@ def test_feedthrough_names_inputs(component):
 
 
 @pytest.mark.parametrize("component", CATALOGUE)
+def test_sums_are_outputs_in_the_unit_of_their_parts(component):
+    cls = component_class(component)
+    for name, parts in cls.sums.items():
+        assert {cls.variables[n].causality for n in (name, *parts)} == {Causality.OUTPUT}
+        assert {cls.variables[n].unit for n in parts} == {cls.variables[name].unit}
+        assert len(parts) > 1
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
 def test_ports_name_signals_and_each_has_one_of_a_name(component):
     cls = component_class(component)
     signals = [v.name for v in cls.own_variables if v.causality is not Causality.PARAMETER]

@@ -145,7 +145,8 @@ def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface], links: 
         recorded |= dict.fromkeys((unit, n) for n in names)
     if not (recorded or scene.record.snapshots):
         raise BadInput("record.signals", "no signal", "at least one; a result without columns tells nothing", "Or leave it out.")
-    beside = scene.analysis.beside(recorded)
+    sums = [(u, n) for u, i in interfaces.items() for n, parts in i.sums.items() if any((u, p) in recorded for p in parts)]
+    beside = (*scene.analysis.beside(recorded), *sums)
     return tuple(recorded | {(u, n): None for u, n in beside if n in interfaces[u].outputs})
 
 

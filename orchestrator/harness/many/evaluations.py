@@ -48,7 +48,7 @@ def evaluations(
     """
     for name in vary:
         place_of(scene, name)
-    task = Task.of(scene, keep, how.get("summarize"))
+    task = Task.of(scene, keep, how.get("summarize"), [name for names in columns.values() for name in names])
     for where, needed in columns.items():
         check_columns(task, needed, where)
     own = task.scene()

@@ -19,6 +19,7 @@ from ...scene.scene import KnownSystems, Scene, read_scene
 from ...scene.shorter_steps import Alterations, alterations_inside
 from ...settings.plan import KeepSettings
 from ..analysis.sections import section as section_of
+from ..half_answers import half_answers, has_sums
 from ..studies.quantities import TimeHistory, quantities_of, recording
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ class Task:
 
     data, name: of the scene.  systems: that it knows.
     base: digest of what the results of all points depend on: scene, what is kept, own code, version.
+    named: columns that are asked for, of which a point says where they are a part of a sum.
     alterations: of the scene at every point, behind the point's values.
     """
 
@@ -70,17 +72,20 @@ class Task:
     summarize: Summarize | None
     base: str
     alterations: Alterations
+    named: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, scene: Scene, keep: KeepSettings, summarize: Summarize | None) -> Task:
+    def of(cls, scene: Scene, keep: KeepSettings, summarize: Summarize | None, named: Iterable[str] = ()) -> Task:
         """Of a scene, which then records what is kept; raises `BadInput` for signals that it does not have."""
         scene = prepared(scene, keep)
         for text in keep.functions:
             function_of(text)
         summarize = summarize if keep.summary else None
         functions, alterations = {text: source_of(text) for text in keep.functions}, alterations_inside()
-        key = depends_on(scene, keep.model_dump(mode="json"), summarize is not None, functions, alterations, of="figures")
-        return cls(scene.settings(), scene.name, scene.systems, keep, summarize, key[:16], alterations)
+        asked = tuple(dict.fromkeys([*named, *keep.quantities])) if has_sums(scene) else ()
+        parts = [keep.model_dump(mode="json"), summarize is not None, functions, alterations, *([asked] if asked else [])]
+        key = depends_on(scene, *parts, of="figures")
+        return cls(scene.settings(), scene.name, scene.systems, keep, summarize, key[:16], alterations, asked)
 
     def scene(self) -> Scene:
         """The scene, read anew, without the snapshots, which nothing but a function of one's own can read."""
@@ -129,6 +134,9 @@ def row_of_result(result: Result, task: Task) -> PointResult:
             row.numbers.add(part(result, task))
         except BadInput as error:
             row.outcome, row.reason = "failed", str(error)
+    if task.named and row.outcome == "done":
+        numbers = task.summarize(result) if task.summarize is not None else ()
+        row.reason = "; ".join([*filter(None, [row.reason]), *half_answers(result, task.named, numbers)])
     try:
         row.section = section_points(result)
     except BadInput as error:

@@ -17,13 +17,14 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...scene.measured import Measured, read_curve, units_of
 from ...scene.scene import Scene
+from ...scene.sums import sums_of
 from ...settings.answers import FitSettings, FittedCurve, MeasuredRun
 from ...settings.messages import validated
 from ...settings.plan import KeepSettings
 from ..charts.chart import Chart
 from ..journal import Stopped
 from ..validation.curves import CurveComparison, compare_curve
-from ..validation.spectra import compare_spectrum, read_spectrum
+from ..validation.spectra import SpectrumComparison, compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
 from .measures import PointResult
@@ -94,12 +95,9 @@ class RunResiduals:
         for comparison in self.compared(self.runs.scene, row):
             noise = comparison.noise or 1.0
             yield Misfit(comparison.curve.signal, (comparison.simulated - comparison.measured) / noise, noise, sampled=True)
-        for s in self.wanted.spectra:
-            yield Misfit(
-                f"spectrum of {s.signal}",
-                compare_spectrum(s, self.folder, KeptRun(self.runs.scene, row)).residuals,
-                s.noise or 1.0,
-            )
+        for spectrum in self.spectra(self.runs.scene, row):
+            s = spectrum.settings
+            yield Misfit(f"spectrum of {s.signal}", spectrum.residuals, s.noise or 1.0)
         for t in self.wanted.targets:
             yield Misfit(t.quantity, np.array([(self.target(row, t.quantity) - t.value) / t.deviation]), t.deviation)
 
@@ -107,13 +105,16 @@ class RunResiduals:
         """Every curve beside a run."""
         return [compare_curve(curve, measured, KeptRun(scene, row)) for curve, measured in self.curves]
 
+    def spectra(self, scene: Scene, row: PointResult) -> list[SpectrumComparison]:
+        """Every spectrum beside a run."""
+        return [compare_spectrum(s, self.folder, KeptRun(scene, row)) for s in self.wanted.spectra]
+
     def charts(self, scene: Scene, row: PointResult) -> Iterator[Chart]:
         """Of curves and spectra, with the condition of the run."""
         for curve, measured in self.curves:
             named = curve.model_copy(update={"condition": self.wanted.condition or curve.condition})
             yield compare_curve(named, measured, KeptRun(scene, row)).chart()
-        for s in self.wanted.spectra:
-            yield compare_spectrum(s, self.folder, KeptRun(scene, row)).chart()
+        yield from (spectrum.chart() for spectrum in self.spectra(scene, row))
 
     def target(self, row: PointResult, quantity: str) -> float:
         """A number of a run."""
@@ -220,7 +221,8 @@ def residuals_of(
                 read_spectrum(spectrum, folder, units.get(spectrum.signal, ""))
             signals = [s for c in run.curves for s in (c.signal, c.over) if s] + [s.signal for s in run.spectra]
             keep = keep_for([t.quantity for t in run.targets], KeepSettings())
-            keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
+            sums = [whole for s in signals for whole in sums_of(changed, [s]).values()]
+            keep = keep.model_copy(update={"signals": tuple(dict.fromkeys([*signals, *sums]))})
             needed = {"fit: targets": [t.quantity for t in run.targets]}
             place = Path(directory) / run.condition if directory is not None and len(wanted.each) > 1 else directory
             some = stack.enter_context(evaluations(changed, {**wanted.vary, **run.vary}, keep, needed, place, **how))

@@ -125,7 +125,7 @@ class Findings:
     claims: tuple[ClaimResult, ...] = ()  # of a paper: they decide, not the rows one by one
     unverified: str = ""  # why the errors of the rows are not known; "" where they are
     confirmed: bool = True  # False: a run with half of the steps did not reach its end, see `unverified`
-    doubts: tuple[str, ...] = ()  # runs whose coupling may be unstable
+    doubts: tuple[str, ...] = ()  # runs whose coupling may be unstable, numbers that are half an answer
 
 
 @dataclass(frozen=True)

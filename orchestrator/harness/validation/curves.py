@@ -12,6 +12,7 @@ from ....components.core.errors import BadInput
 from ...run.instants import at_instants
 from ...run.key_results import STATISTICS
 from ...scene.measured import FEWEST, Measured
+from ...scene.sums import parts_alone
 from ...settings.case import CurveSettings
 from ..analysis.signals import ButterworthFilter, amplitude_spectrum, uniform
 from ..charts.chart import Chart, Panel, Series
@@ -49,7 +50,8 @@ class CurveComparison:
 
     time: (n,) s of the run, rising.  x: (n,) what the measurement is over.  measured, simulated: (n,), filtered alike.
     between: (n,) estimate of what the run may be off there because it is recorded at rows only.  left_out: why -> how many
-    samples of the file are not compared.  noise: standard deviation of the measurement; None: not known.
+    samples of the file are not compared.  noise: standard deviation of the measurement; None: not known.  alone: that the signal
+    is a part of a sum, in a sentence, where the rest is not zero among the compared instants.
     """
 
     curve: CurveSettings
@@ -61,6 +63,7 @@ class CurveComparison:
     between: np.ndarray
     left_out: Mapping[str, int]
     noise: float | None = None
+    alone: str = ""
 
     @property
     def numbers(self) -> Mapping[str, tuple[float, float, float]]:
@@ -141,7 +144,11 @@ def compare_curve(curve: CurveSettings, measured: Measured, result: RecordedRun)
         "within the transient or the ends of the filter": int(at.size - kept.sum()),
     }
     unit = result.measures.get(curve.signal, "")
-    return CurveComparison(curve, unit, at[kept], x[inside][kept], y[kept], s[kept], between[kept], left_out, measured.noise)
+    rows = (result.time >= at[kept][0]) & (result.time <= at[kept][-1])
+    alone = parts_alone(result.scene, [curve.signal], lambda name: result[name][rows])
+    return CurveComparison(
+        curve, unit, at[kept], x[inside][kept], y[kept], s[kept], between[kept], left_out, measured.noise, "; ".join(alone)
+    )
 
 
 def _as_sampled(cutoff: float, at: np.ndarray, time: np.ndarray, values: np.ndarray, where: str) -> tuple[np.ndarray, np.ndarray]:

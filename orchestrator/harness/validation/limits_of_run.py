@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from ....components.core.errors import BadInput, nearest
 from ...settings.study import wanted
+from ..half_answers import half_answers
 from ..many.limits import rows_under, table_of
 from ..studies.quantities import TimeHistory, quantities_of, recording
 from ..summary import SummaryRow
@@ -168,7 +169,14 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
     case = Case(SHOWN, f"Limits of {Path(limits.table).stem}", "", ())
     why = result.info.verification.why if not any(isfinite(row.error) for row in rows) else ""
     return CaseResult(
-        case, Findings(rows, notes=tuple(dict.fromkeys(missing)), complete=result.outcome == "done", unverified=why)
+        case,
+        Findings(
+            rows,
+            notes=tuple(dict.fromkeys(missing)),
+            complete=result.outcome == "done",
+            unverified=why,
+            doubts=tuple(half_answers(result, [row.reference.measure for row in rows], numbers)) if rows else (),
+        ),
     ), answers
 
 

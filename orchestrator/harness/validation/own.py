@@ -18,6 +18,7 @@ from ...scene.measured import read_curve, units_of
 from ...settings.case import COMPARED, CaseSettings, CurveSettings
 from ...settings.chart import ChartSettings
 from ...settings.messages import one_message
+from ..half_answers import half_answers
 from ..studies.quantities import recording
 from .case import Case, Row, compare
 from .curves import CurveComparison, compare_curve
@@ -145,6 +146,7 @@ def _measure(
     own_rows: list[Row] = []
     charts: list[Chart] = []
     notes: list[str] = []
+    doubts: list[str] = []
     figures: dict[str, float] = {}
     for condition, result in runs.items():
         mine = [r for r in rows if r.condition == condition]
@@ -161,13 +163,19 @@ def _measure(
         own_rows += [row for c in comparisons for row in _curve_rows(c, sources[c.curve.source])]
         charts += [c.chart() for c in comparisons]
         judged = judge(result, numbers)
+        doubts += [f"{condition}: {text}" for text in judged[0].findings.doubts] if judged else []
         for row in judged[0].findings.rows if judged else ():
             label = ": ".join(filter(None, (condition, row.reference.condition)))
             own_rows.append(replace(row, reference=replace(row.reference, condition=label)))
+        doubts += [f"{condition}: {c.alone}" for c in comparisons if c.alone]
+        asked = [r.measure for r in mine if r.measure not in of_function]
+        doubts += [f"{condition}: {text}" for text in half_answers(result, asked, numbers)]
         uncompared = [c.counted for c in comparisons if c.incomplete]
         texts = (*result.info.warnings, *uncompared, *(judged[0].findings.notes if judged else ()))
         notes += [f"{condition}: {text}" for text in texts]
-    return Evidence(rows=tuple(own_rows), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
+    return Evidence(
+        rows=tuple(own_rows), charts=tuple(charts), shown=runs, notes=tuple(notes), doubts=tuple(doubts), data={**figures, **own}
+    )
 
 
 def _curve_rows(comparison: CurveComparison, source: str) -> list[Row]:

@@ -93,7 +93,7 @@ class Evidence:
     rows: rows of references that the case computes itself.  shown: label -> result.
     claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
     data: name -> further numbers for charts and texts: arrays, tables of a name -> array or -> (x, y), (x, y, values) of a picture.
-    settings: condition -> how its numbers were computed (window, filter).  doubts: of `Runs`, which `ask` fills in.
+    settings: condition -> how its numbers were computed (window, filter).  doubts: what may be a defect; `ask` adds those of `Runs`.
     """
 
     numbers: Mapping[str, float | Mapping[str, float]] = field(default_factory=dict)
@@ -146,5 +146,5 @@ class Question:
             charts=(*map(drawn.chart, self.charts), *evidence.charts),
             notes=(*evidence.notes, *(with_numbers(note, numbers) for note in self.notes)),
             shown={**evidence.shown, **{label: r for label, r in by_label.items() if _fits(label, self.show)}},
-            doubts=tuple(runs.doubts),
+            doubts=(*evidence.doubts, *runs.doubts),
         )

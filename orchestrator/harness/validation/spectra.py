@@ -10,6 +10,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ....components.core.measure import squared
 from ...scene.measured import FEWEST, read_columns
+from ...scene.sums import parts_alone
 from ...settings.answers import SpectrumSettings
 from ..analysis.signals import uniform, welch_spectrum
 from ..charts.chart import Chart, Panel, Series
@@ -19,7 +20,7 @@ from .curves import RecordedRun
 @dataclass(frozen=True)
 class SpectrumComparison:
     """A measured spectrum and the simulated one at its frequencies. frequency: (n,) Hz.  measured, simulated: (n,), in `unit`.
-    resolution: Hz, between the lines of the simulated one."""
+    resolution: Hz, between the lines of the simulated one.  alone: as of `CurveComparison`."""
 
     settings: SpectrumSettings
     unit: str
@@ -27,6 +28,7 @@ class SpectrumComparison:
     measured: np.ndarray
     simulated: np.ndarray
     resolution: float
+    alone: str = ""
 
     @property
     def residuals(self) -> np.ndarray:
@@ -77,7 +79,9 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: RecordedRun
         simulated = np.interp(f, lines, spectrum)
     unit = result.measures.get(wanted.signal, "") or "1"
     unit = f"({unit})²/Hz" if wanted.kind == "power spectral density" else unit
-    return SpectrumComparison(wanted, unit, f, measured, simulated, float(lines[1]))
+    rows = result.time >= result.scene.counts_from
+    alone = parts_alone(result.scene, [wanted.signal], lambda name: result[name][rows])
+    return SpectrumComparison(wanted, unit, f, measured, simulated, float(lines[1]), "; ".join(alone))
 
 
 def read_spectrum(wanted: SpectrumSettings, folder: Path, unit: str) -> tuple[np.ndarray, np.ndarray]:

@@ -1,10 +1,20 @@
 """Two contact wires under one head: how they share its force, and sections that overlap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from cosimo.components.core.errors import nearest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.components.railway.statics import elasticity
+from cosimo.orchestrator.harness.half_answers import half_answers
+from cosimo.orchestrator.harness.summary import SummaryRow
+from cosimo.orchestrator.harness.validation.curves import compare_curve
+from cosimo.orchestrator.run.results import Result
+from cosimo.orchestrator.run.run_record import RunRecord
+from cosimo.orchestrator.scene.measured import Measured
+from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import initialized
@@ -127,3 +137,67 @@ def test_a_pantograph_passes_an_overlap_from_wire_to_wire():
     both = (first > 0.0) & (second > 0.0)
     assert 5.0 < np.count_nonzero(both) * 69.444 * 1e-3 < 60.0  # m of track
     assert (first + second)[x > 60.0].min() > 20.0
+
+
+@pytest.fixture(scope="module")
+def on_an_overlap():
+    """A run of the scene as from a recorder: the second wire takes 30 N from 2 s on."""
+    scene = load_scene("overlap").with_changes({"record.signals": ["pantograph.contact_force", "pantograph.contact_position"]})
+    t = np.linspace(0.0, 4.0, 401)
+    first, second = 100.0 + np.sin(t), np.where(t >= 2.0, 30.0, 0.0)
+    columns = {"pantograph.contact_force": first, "pantograph.second_wire.total_force": first + second}
+    return Result(scene, t, columns, {}, dict.fromkeys(columns, "N"), RunRecord(outcome="done"))
+
+
+def test_a_recorded_part_brings_its_sum():
+    scene = load_scene("overlap").with_changes({"record.signals": ["pantograph.contact_force"]})
+    assert ("pantograph", "second_wire.total_force") in scene.coupling.signals
+    assert ("pantograph", "second_wire.contact_force") not in scene.coupling.signals
+
+
+@pytest.mark.parametrize(("since", "alone"), [(0.0, False), (1.0, True)])
+def test_a_curve_of_one_wire_alone_is_told(on_an_overlap, since, alone):
+    """Where both wires carry in the compared stretch; not where the second one is not touched there."""
+    x = since + np.linspace(0.0, 1.9, 20)
+    curve = CurveSettings(signal="pantograph.contact_force", file="train.csv", source="train", tolerances={"mean": 0.1})
+    run = replace(on_an_overlap, scene=on_an_overlap.scene.with_changes({"analysis.transient": 0.0}))
+    told = compare_curve(curve, Measured(x, 100.0 + 0.0 * x), run).alone
+    assert ("pantograph.second_wire.total_force (force on both wires)" in told) == alone
+    whole = curve.model_copy(update={"signal": "pantograph.second_wire.total_force"})
+    assert compare_curve(whole, Measured(x, 100.0 + 0.0 * x), run).alone == ""
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (["pantograph.contact_force, maximum below 20 Hz"], ["pantograph.contact_force"]),
+        (["pantograph.mean"], ["pantograph.mean (mean force, of one wire alone)"]),
+        (["pantograph.contact_force, mean", "pantograph.second_wire.total_force, mean"], []),
+        (["pantograph.contact_force, mean", "pantograph.second_wire.contact_force, mean"], []),
+        (["pantograph.contact_force, mean", "pantograph.second_wire.total_force, maximum"], ["pantograph.contact_force"]),
+        (["pantograph.both_wires.mean", "pantograph.contact_position, end"], []),
+    ],
+)
+def test_a_figure_of_one_wire_alone_is_told(on_an_overlap, names, told):
+    figures = [
+        SummaryRow("pantograph.both_wires.mean", 115.0, "N", "mean force"),
+        SummaryRow("pantograph.mean", 100.0, "N", "mean force, of one wire alone", part=True),
+    ]
+    texts = half_answers(on_an_overlap, names, figures)
+    assert [text.partition(" is only a part")[0] for text in texts] == told
+
+
+def test_a_misspelt_sum_is_not_answered_with_a_part():
+    known = ["pantograph.contact_force", "pantograph.second_wire.contact_force", "pantograph.second_wire.total_force"]
+    assert nearest("pantograph.total_force", known) == "Did you mean 'pantograph.second_wire.total_force'?"
+
+
+def test_the_force_of_both_strips_is_their_sum():
+    made = Pantograph(["contact_loss", "two_strips"], {"frame_stiffness": 0.0})
+    made.initialize(0.0)
+    for i in range(50):
+        made.set("two_strips.wire_height", 1e-3 * np.sin(0.1 * i))
+        made.step(i * 1e-3, 1e-3)
+    front, rear = made["contact_force"], made["two_strips.contact_force"]
+    assert abs(front - rear) > 1.0
+    assert made["two_strips.total_force"] == front + rear
