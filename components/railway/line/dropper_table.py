@@ -63,8 +63,9 @@ def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
             ),
             key=lambda row: row.position,
         )
-        none = dict.fromkeys(("positions", "second_positions", "main_positions", "heights"))
-        spans.append(replace(span, dropper_list=tuple(own), **none))
+        spans.append(
+            replace(span, dropper_list=tuple(own), positions=None, second_positions=None, main_positions=None, heights=None)
+        )
     return replace(s.section, spans=tuple(spans), span=type(s.section.span)())
 
 

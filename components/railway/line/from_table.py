@@ -388,8 +388,8 @@ class _Section:
 def _droppers(span: Span, d: DropperData, wire: int, where: str, compound: bool = False) -> list[Dropper]:
     """Droppers of a wire in a span, one by one; wire: number of the contact wire, or 0 for the auxiliary wire of a compound line."""
     if span.dropper_list is None:
-        given = (span.main_positions, span.positions, span.second_positions)[wire]
-        return [Dropper(position=float(x)) for x in _positions(given, span, d, where)]
+        key = ("main_positions", "positions", "second_positions")[wire]
+        return [Dropper(position=float(x)) for x in _positions(getattr(span, key), span, d, where, key)]
 
     def carried(row: Dropper) -> float:
         main = compound and row.hangs_from == "messenger" and row.contact_wire is None
@@ -398,11 +398,11 @@ def _droppers(span: Span, d: DropperData, wire: int, where: str, compound: bool 
     own = [row for row in span.dropper_list if carried(row) == wire]
     if any(row.position is None for row in own):
         raise BadInput(f"{where}.dropper_list", "a dropper without position", "its position, m")
-    _positions(tuple(row.position for row in own), span, d, where)
+    _positions(tuple(row.position for row in own), span, d, where, "dropper_list")
     return own
 
 
-def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, where: str) -> np.ndarray:
+def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, where: str, key: str) -> np.ndarray:
     if given is None:
         room = span.length - 2.0 * d.first
         if room < 0.0:
@@ -413,7 +413,7 @@ def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, wher
         return d.first + np.linspace(0.0, room, count)
     at = np.array(given)
     if at.size and not (np.all(np.diff(at) > 1e-3) and at[0] > 1e-3 and at[-1] < span.length - 1e-3):
-        raise BadInput(f"{where}.positions", f"{list(given)}", f"increasing positions inside the span of {span.length:g} m")
+        raise BadInput(f"{where}.{key}", f"{list(given)}", f"increasing positions inside the span of {span.length:g} m")
     return at
 
 

@@ -252,6 +252,7 @@ def test_three_wires_of_the_shipped_line_are_drawn():
         ("support =", "second_contact_wire.tension = 1e4\nsupport =", "and a second contact wire"),
         ("support =", "stitch = { half_length = 5, tension = 2e3, mass = 0.3 }\nsupport =", "and stitch wires"),
         ("spans = [50, 50, 50]", "spans = [50]\n[[sections]]\nspans = [50]", "and several sections"),
+        ("spans = [50, 50, 50]", "spans = [50, { length = 50, main_positions = [55] }]", "main_positions: got"),
         ("height = 0.15", "height = 2.0", "an upper wire above the lower one"),
         ("height = 0.15", "height = 0.15, heigth = 2", "Did you mean"),
     ],
