@@ -30,7 +30,7 @@ from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
 from .contacts import GAP, BallContacts
-from .friction import Friction, OilFriction, SkfFriction
+from .friction import COLDEST, HOTTEST, Friction, OilFriction, SkfFriction
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
 from .inertia import BallInertia
@@ -47,8 +47,10 @@ from .six_dof import (
     MISSED,
     NO_ELLIPSE,
     NO_GROOVE,
+    NO_OIL,
     SAMPLES,
     SPEED,
+    THICKENS,
     TIGHT,
     UNSEEN,
     Constants,
@@ -288,6 +290,16 @@ class DeepGrooveBearing(KernelComponent):
             "diametral_clearance = {diametral_clearance} m",
             "{message[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius",
         ),
+        THICKENS: Refusal(
+            "oil_friction.viscosity_100 = {oil_friction.viscosity_100} m2/s",
+            "at most that at 40 degrees Celsius, {oil_friction.viscosity_40} m2/s",
+            "An oil thins as it warms: change the two with each other?",
+        ),
+        NO_OIL: Refusal(
+            "oil_friction.temperature = {oil_friction.temperature} K",
+            f"{COLDEST:g} to {HOTTEST:g} K, where the viscosity's equation holds",
+            "Give the temperature in K",
+        ),
     } | {
         MISSED + k: Refusal(
             f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it",
@@ -347,6 +359,9 @@ class DeepGrooveBearing(KernelComponent):
         if MISSED <= status < MISSED + len(FEATURES):  # a run under way
             actual, _, remedy = map(self._with_values, type(self).refusals[status])
             raise StepFailed(self.name, float(self.arguments[0].noted[UNSEEN, 3]), actual, remedy)
+        if status == NO_OIL:
+            actual, expected, remedy = map(self._with_values, type(self).refusals[status])
+            raise StepFailed(self.name, self.t, f"{actual}, expected {expected}", remedy)
         super()._check(status)
 
     def left_range(self) -> str:

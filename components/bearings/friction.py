@@ -31,6 +31,7 @@ from .motion import EVERYTHING
 LEAST = 2000.0  # nu n, mm²/s rpm, below which M_0 does not fall any more
 AXIAL = 1e-6  # of the radial load, from which on an axial one counts
 CAGE = 3.1  # K_z of deep groove bearings of one row
+COLDEST, HOTTEST = 203.15, 643.15  # K, -70 and 370 degrees Celsius, the range of ASTM D341; from memory
 COLD, HOT = 313.15, 373.15  # K, at which the viscosity is given
 
 
@@ -49,7 +50,7 @@ class Friction(Effect):
 class OilFriction(Effect):
     """Friction by Palmgren: a part of the load, and a part of speed and viscosity, which follows the oil's temperature.
 
-    Outside of some -20 to 150 degrees Celsius the equation of the viscosity is an extrapolation.
+    Outside of some -20 to 150 degrees Celsius the equation of the viscosity is an extrapolation; outside of -70 to 370 it is refused.
     """
 
     requires = ("friction",)
@@ -57,9 +58,11 @@ class OilFriction(Effect):
 
     lubrication = parameter(2.0, "1", "factor f_0 of the lubrication: 2 in an oil bath, 1 with oil mist; from memory", low=0.0)
     load_factor = parameter(3e-4, "1", "factor f_1 of the load; below 0.001, from memory", low=0.0, nominal=1e-4)
-    viscosity_40 = parameter(68e-6, "m2/s", "kinematic viscosity at 40 degrees Celsius; of ISO VG 68", low=1e-6, nominal=1e-5)
+    viscosity_40 = parameter(
+        68e-6, "m2/s", "kinematic viscosity at 40 degrees Celsius; of ISO VG 68", low=1e-6, high=0.1, nominal=1e-5
+    )
     viscosity_100 = parameter(
-        8.7e-6, "m2/s", "kinematic viscosity at 100 degrees Celsius; mineral oil, from memory", low=1e-6, nominal=1e-5
+        8.7e-6, "m2/s", "kinematic viscosity at 100 degrees Celsius; mineral oil, from memory", low=1e-6, high=0.1, nominal=1e-5
     )
 
     temperature = input_(313.15, "K", "temperature of the oil", nominal=100.0)
@@ -90,9 +93,7 @@ class SkfFriction(Effect):
 
 @kernel
 def kinematic_viscosity(temperature, cold, hot):
-    """Walther's equation: m²/s at a temperature, K, from the viscosities at 40 and 100 degrees Celsius; NaN below 0 K."""
-    if temperature <= 0.0:
-        return math.nan
+    """Walther's equation: m²/s at a temperature above 0 K, from the viscosities at 40 and 100 degrees Celsius."""
     high, low = math.log10(math.log10(1e6 * cold + 0.7)), math.log10(math.log10(1e6 * hot + 0.7))
     share = math.log10(temperature / COLD) / math.log10(HOT / COLD)
     return 1e-6 * (10.0**10.0 ** (high + (low - high) * share) - 0.7)

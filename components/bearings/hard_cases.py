@@ -346,11 +346,17 @@ HARD_CASES = {
                 "oil_friction.temperature": sine(70.0, 50.0, 320.0),
             },
         ),
-        "oil below absolute zero": HardCase(
-            "It has no viscosity.",
-            Refused("not finite", "step", {"oil_friction.temperature": 300.0}),
+        "oil at 60 K, meant as degrees Celsius": HardCase(
+            "Its viscosity would have dozens of digits.",
+            Refused("oil_friction.temperature = 60 K", "step", {"oil_friction.temperature": 300.0}),
             effects=("friction", "oil_friction"),
-            inputs={"speed": 100.0, "oil_friction.temperature": jumps(300.0, (0.01, -10.0))},
+            inputs={"speed": 100.0, "oil_friction.temperature": jumps(300.0, (0.01, 60.0))},
+        ),
+        "oil that thickens as it warms": HardCase(
+            "Two columns of a data sheet, exchanged.",
+            Refused("viscosity_100 = 6.8e-05 m2/s", "initialize", {"oil_friction.viscosity_100": 8e-6}),
+            effects=("friction", "oil_friction"),
+            parameters={"oil_friction.viscosity_40": 8.7e-6, "oil_friction.viscosity_100": 6.8e-5},
         ),
         "film through standstill": HardCase(
             "The film's slope over the speed has no bound at 0; friction takes, in both directions.",

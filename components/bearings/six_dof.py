@@ -28,7 +28,7 @@ from .contacts import (
     note_contacts,
 )
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
-from .friction import put_friction
+from .friction import COLDEST, HOTTEST, put_friction
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
 from .inertia import Inertia, centrifugal_factor
@@ -54,8 +54,8 @@ FEATURES = (
 )
 
 # Statuses; the last name the feature that a ball may have missed, in the order of `FEATURES`
-LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
-MISSED = OWN + 5
+LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT, THICKENS, NO_OIL = OWN + 1, OWN + 2, OWN + 3, OWN + 4, OWN + 5, OWN + 6
+MISSED = OWN + 7
 
 
 class Constants:
@@ -81,6 +81,8 @@ def bearing_start(t, s, p, e):
     """Contacts, films, waves and places of the balls."""
     if not p.ball_diameter < p.pitch_diameter:
         return LARGE_BALLS
+    if e.oil_friction is not None and e.oil_friction.viscosity_100 > e.oil_friction.viscosity_40:
+        return THICKENS
     gamma = diameter_share(p.ball_diameter, p.pitch_diameter, 0.0)
     modulus = effective_modulus(p.elastic_modulus, p.poisson_ratio, p.elastic_modulus, p.poisson_ratio)
     inner_x, inner_y = relative_radii(INNER, p.inner_conformity, p.ball_diameter, gamma)
@@ -294,6 +296,8 @@ def bearing_outputs(t, s, p, e):
         y[e.film.y], y[e.film.y + 1] = k.inner_film * thickness, k.outer_film * thickness
     if e.linearisation is not None:
         linearise(u, y, k, s, initializing, e)
+    if e.oil_friction is not None and not COLDEST <= u[e.oil_friction.u] <= HOTTEST:
+        return NO_OIL
     if e.friction is not None:
         put_friction(y, u, sums, speed, p.pitch_diameter, e.friction, e.oil_friction, e.skf_friction)
     if e.ball_inertia is not None:
