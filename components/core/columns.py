@@ -1,7 +1,7 @@
 """The one reader of CSV tables that users bring: measured curves, lines, points of a plan, rows of limits.
 
     span [mm];height (ft);force, kN                     header: names with their units; or a line of units below the names
-    48,5;17.5;1.2                                       separated by semicolons, tabs or commas; decimals have a point or, unless
+    48,5;17,5;1,2                                       separated by semicolons, tabs or commas; decimals have a point or, unless
                                                         commas separate cells, a comma
 
 Files are in UTF-8, UTF-16 or Windows-1252 (Latin-1). Lines that begin with # are comments.
@@ -27,6 +27,7 @@ from .measure import OTHERWISE, conversion_of, is_quantity, number_in, parse, pl
 EMPTY = ("", "nan", "n/a", "na", "-")  # cells without a number, as loggers write them
 COMMAS = "Decimal commas need semicolons between the cells."
 SHORT = ("in", "min")  # ends of names that are no units: input, minimum
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}")  # of a number whose sign may be one of thousands, or of decimals
 _NO_TEXT = re.compile("[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 _WITH_UNIT = re.compile(r"(.*?\S)(\s*)\[([^\[\]]*)\]|(.*?\S)\s*\(([^()]*)\)")
 
@@ -132,6 +133,7 @@ class Columns:
             question = f"{unit} or {other}? " if other else ""
             raise BadInput(where, "no unit", "a name with its unit", f"{question}Write {f'{name} [{unit}]'!r}.")
         factor, offset = conversion_of(written, unit, where, f"unit {written!r}") if written and unit else (1.0, 0.0)
+        self._refuse_thousands(k, cells)
         with suppress(ValueError):  # nearly always
             values = np.array([float(cell) for cell in cells])
             if not np.isinf(values).any():
@@ -149,6 +151,27 @@ class Columns:
             both = " and ".join(f"{sign!r} in line {line}" for sign, line in signs.items())
             raise BadInput(where, f"decimals with {both}", "one decimal sign", "Thousands have no sign of their own.")
         return values
+
+    def _refuse_thousands(self, k: int, cells: list[str]) -> None:
+        """Raise `BadInput` where all decimals of column k look like thousands, and other columns have the other decimal sign."""
+        signed = ((row, cell) for row, cell in enumerate(cells) if "." in cell or "," in cell)
+        if self.separator == "," or (first := next(signed, None)) is None:
+            return
+        row, cell = first
+        match = THOUSANDS.fullmatch(cell)
+        if match is None or not all(THOUSANDS.fullmatch(other) for _, other in signed):
+            return
+        sign = ",."[match[1] == ","]
+        decimals = re.compile(rf"[+-]?\d+[{sign}]\d+")
+        for line, others in self.rows:
+            for other in others:
+                if decimals.fullmatch(other.strip()):
+                    raise BadInput(
+                        f"{self.where}, line {self.rows[row][0]}, column {self.header[k]!r}",
+                        f"{cell!r} beside {other.strip()!r} in line {line}",
+                        "one decimal sign",
+                        f"Write {cell.replace(match[1], '')} or {cell.replace(match[1], sign)}: they differ by a factor of 1000.",
+                    )
 
     def unit(self, name: str, wanted: str = "") -> str:
         """The unit of a column as the converter takes it, "" without one. wanted: its dimension lets names end with it: force_kN."""

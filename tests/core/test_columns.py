@@ -57,6 +57,11 @@ def test_an_element_of_an_array_has_no_unit_and_empty_cells_no_number():
         ("x [m]\n1,5\n", "t, line 2: got 2 cells, expected 1.*semicolons"),
         ('x [m]\n"1,234"\n', r"t, line 2, column 'x \[m\]': got '1,234', expected a number in m.*semicolons"),
         ("x [m];y\n1,5;0\n1.5;0\n", "decimals with ',' in line 2 and '.' in line 3"),
+        (
+            "x [m];y\n28.100;7,94\n",
+            r"line 2, column 'x \[m\]': got '28.100' beside '7,94' in line 2.*Write 28100 or 28,100: .* 1000",
+        ),
+        ("x [m];y\n28,100;1\n1;7.94\n", r"'28,100' beside '7.94' in line 3.*Write 28100 or 28.100"),
         ("x [furlong]\n1\n", "unit 'furlong', expected a unit of the dimension of m. Such as m, mm"),
         ("x [kN]\n1\n", "unit 'kN', expected a unit of the dimension of m"),
         ("x\n1\n", r"column 'x': got no unit, expected a name with its unit. m or mm\? Write 'x \[m\]'"),
@@ -70,6 +75,13 @@ def test_an_element_of_an_array_has_no_unit_and_empty_cells_no_number():
 def test_what_cannot_be_read_is_one_message(text, message):
     with pytest.raises(BadInput, match=message):
         table_of(text, "t").numbers("x", "m", asked=True)
+
+
+def test_three_decimals_are_decimals_where_nothing_speaks_for_thousands():
+    for text in ("x [m];y\n28.100;7.94\n", "x [m];y\n28,100;a.b\n", "x [m];y\n28.100;7,94\n1.5;1\n", "x [m];y\n0,125;7.94\n"):
+        assert table_of(text, "t").numbers("x", "m")[0] == pytest.approx(
+            float(text.split("\n")[1].split(";")[0].replace(",", "."))
+        )
 
 
 def test_files_that_are_no_tables_are_refused_at_once(tmp_path):
