@@ -74,11 +74,18 @@ def read_columns(
 
 def _unit(table: Columns, name: str, unit: str, settings: MeasuredColumn) -> str:
     """The unit in which a column is read: that of the signal, or "" where the user's own factor leads there from that of the header."""
-    written = table.unit(name, unit)
-    if "scale" not in settings.model_fields_set or not written or not unit:
+    written, own = table.unit(name, unit), settings.model_fields_set & {"scale", "offset"}
+    if not own or not written or not unit:
         return unit
     where, shown = f"{table.where}, column {name!r}", f"scale = {settings.scale:g} beside the unit {written!r}"
-    if not isclose(abs(settings.scale), factor := conversion_of(written, unit, where, shown)[0], rel_tol=1e-6):
+    factor, zero = conversion_of(written, unit, where, shown)
+    offset = getattr(settings, "offset", 0.0)
+    if zero and isclose(offset, zero, rel_tol=1e-6) != ("scale" in own):  # a temperature that is converted by half, or twice
+        both = f"scale = {factor:g} and offset = {zero:g}, which lead from {written} to {unit}, or neither"
+        raise BadInput(where, f"scale = {settings.scale:g} and offset = {offset:g} beside the unit {written!r}", both)
+    if "scale" not in own:
+        return unit
+    if not isclose(abs(settings.scale), factor, rel_tol=1e-6):
         raise BadInput(where, shown, f"scale = {factor:g}, which leads from {written} to {unit}, or no scale")
     return ""
 

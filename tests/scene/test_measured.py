@@ -30,6 +30,27 @@ def test_plans_read_a_column_alike(plan, folder):
     assert found.empty == 1
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({}, 293.15),
+        ({"offset": 0.5}, 293.65),
+        ({"scale": 1.0, "offset": 273.15}, 293.15),
+        ({"scale": 1.0}, 0),
+        ({"offset": 273.15}, 0),
+    ],
+)
+def test_a_temperature_is_converted_once(given, expected, tmp_path):
+    """Of 20 degrees Celsius; 0: refused, for the header leads to 293.15 K, and half of one's own conversion somewhere else."""
+    (tmp_path / "m.csv").write_text("time [s],m.x [degC]\n" + "".join(f"{t:g},20\n" for t in TIME))
+    curve = FittedCurve(**NAMES, **given)
+    if expected:
+        assert read_curve(curve, tmp_path, {"m.x": "K"}).y == pytest.approx(expected)
+    else:
+        with pytest.raises(BadInput, match=r"expected scale = 1 and offset = 273\.15, which lead from degC to K, or neither"):
+            read_curve(curve, tmp_path, {"m.x": "K"})
+
+
 @pytest.mark.parametrize(("noise", "expected"), [("5 mm", 5e-3), (5e-3, 5e-3), (None, None)])
 def test_a_fit_has_its_noise_in_the_unit_of_the_signal(noise, expected, folder):
     assert read_curve(FittedCurve(**NAMES, noise=noise), folder, UNITS).noise == expected
