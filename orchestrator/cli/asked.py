@@ -179,6 +179,7 @@ QUESTIONS: dict[str, list[Question]] = {
             several=True,
         ),
         Question("Limits to compare results with: en50367 or a file", "--limits", "en50367", check=limits),
+        *DOCUMENT,
     ],
     "table": [FILE, SCENE],
     "vehicle": [FILE, Question("File with the data of your vehicle", check=file_of())],

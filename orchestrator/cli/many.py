@@ -267,9 +267,8 @@ def stopped_early(results: Sweep) -> None:
     """End with the signal's exit code where one has ended the sweep."""
     if results.stopped is not None:
         left = results.outcomes.count("not run")
-        raise fail(
-            f"stopped by {results.stopped.name}, points not run: {left}; the same command runs them", STOPPED + results.stopped
-        )
+        points = f"{counted(left, 'point')} {'was' if left == 1 else 'were'}"
+        raise fail(f"stopped by {results.stopped.name}, {points} not run; the same command runs them", STOPPED + results.stopped)
 
 
 def _runs(asked: int, computed: int) -> str:

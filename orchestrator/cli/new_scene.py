@@ -16,6 +16,10 @@ from .common import is_scene, print_written, warn
 from .new import new
 from .options import Conditions, InProcess, Limits, Over, limits_of, number_given, ranges_of, refuse, share
 
+Title = Annotated[str, Option(help="Title of reports.")]
+Object = Annotated[str, Option("--object", help="What is simulated, for reports: a line, a vehicle, a machine.")]
+Author = Annotated[str, Option(help="Who answers for reports.")]
+Organisation = Annotated[str, Option(help="Company, office or institute, for reports.")]
 File = Annotated[Path, Argument(metavar="FILE.toml", help="File for the template.")]
 PRESET, APART, SPEED = "EN 50318:2018", "200 m", "250 km/h"  # of pantographs under a line
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
@@ -144,10 +148,10 @@ def scene(
         str, Option(metavar="SHARE", help="Share of the contact wire's section gone since the droppers were cut, as in 20%.")
     ] = "",
     limits: Limits = "",
-    title: Annotated[str, Option(help="Title of reports of the scene.")] = "",
-    object_: Annotated[str, Option("--object", help="What is simulated, for reports: a line, a vehicle, a machine.")] = "",
-    author: Annotated[str, Option(help="Who answers for reports of the scene.")] = "",
-    organisation: Annotated[str, Option(help="Company, office or institute, for reports.")] = "",
+    title: Title = "",
+    object_: Object = "",
+    author: Author = "",
+    organisation: Organisation = "",
 ) -> None:
     """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
 
@@ -189,8 +193,7 @@ def scene(
         warn(taken)
     else:
         text = _joined_scene(file, units or [], limits, table)
-    document = {"title": title, "object": object_, "author": author, "organisation": organisation}
-    write_new(file, with_document(text, {key: value for key, value in document.items() if value}))
+    write_new(file, with_document(text, title, object_, author, organisation))
     for table, content in tables.items():
         table.write_bytes(content)
     try:
@@ -203,10 +206,13 @@ def scene(
     print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
 
 
-def with_document(text: str, document: dict[str, str]) -> str:
-    """The text of a scene with these keys of the first page of its reports; raises `BadInput` for a scene that has such a table."""
+def with_document(text: str, title: str, object_: str, author: str, organisation: str) -> str:
+    """The text of a scene or a case with what the first page of its reports says, if anything; raises `BadInput` for one that has
+    such a table."""
     from tomli_w import dumps
 
+    given = {"title": title, "object": object_, "author": author, "organisation": organisation}
+    document = {key: value for key, value in given.items() if value}
     if not document:
         return text
     if re.search(r"^\[document\]", text, re.MULTILINE):
@@ -343,6 +349,10 @@ def case(
     limits: Limits = "",
     conditions: Conditions = None,
     over: Over = None,
+    title: Title = "",
+    object_: Object = "",
+    author: Author = "",
+    organisation: Organisation = "",
 ) -> None:
     """Write a validation case of a scene of yours. Example: cosimo new case my-case.toml my-scene.toml --limits en50367
 
@@ -395,7 +405,7 @@ def case(
             f"changes = {{ {', '.join(changes)} }}",
             "",
         ]
-    write_new(file, "\n".join(parts))
+    write_new(file, with_document("\n".join(parts), title, object_, author, organisation))
     try:
         read_case(file, load_scene, summary)
     except BadInput:

@@ -207,7 +207,7 @@ def of_scene(
         "units": [
             {
                 "name": unit,
-                "what": kind.value,
+                "what": kind.shown,
                 "title": interfaces[unit].title,
                 "effects": [e for e, why in interfaces[unit].effects.items() if why],
                 "steps": "Python" if unit in path.python else "",

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...components.core.errors import BadInput, StepFailed
+from ...components.core.errors import BadInput, StepFailed, counted
 from ..output import write_table
 from ..scene.scene import Scene
 from .motions import MOTION_COLUMNS, Regime, motions
@@ -180,7 +180,7 @@ def _begun_behind(shooting: Shooting, value: float | None, after: int, guess: fl
         while unknown is not None and shooting.refresh(shooting.split(unknown)[0]):
             unknown = shooting.solve(shooting.start(value, after, guess))
         if unknown is None:
-            return f"no orbit of {shooting.multiple} periods behind {after} of them"
+            return f"no orbit of {counted(shooting.multiple, 'period')} behind {after} of them"
         return shooting.orbit(unknown).refused or unknown
     except StepFailed as error:
         return str(error)

@@ -54,7 +54,7 @@ class SummaryRow:
 
 
 def with_error(value: float, error: float) -> str:
-    """ "116.0 ± 0.3": a number to the digit of its error's leading one, of which two are kept where it is a 1.
+    """ "116.0 ± 0.3": a number to the digit of its error's leading one, of which two are kept where it is a 1 or a 2.
 
     Without a known error the number has four digits. With an error below its sixth digit it has five, and ± is rounded up to
     one of the fifth, which covers the rounding of the number. It never has more than six. "–": there is no number.
@@ -70,8 +70,8 @@ def with_error(value: float, error: float) -> str:
     if error < 10.0 ** (size - 5):
         digit = int(size) - 4
         error = 10.0**digit
-    elif error < 2.0 * 10.0**digit and digit > size - 5:
-        digit -= 1  # 0.14 rather than 0.1
+    elif error < 3.0 * 10.0**digit and digit > size - 5:
+        digit -= 1  # 0.14 rather than 0.2, 21 rather than 30: rounded up to one digit it could be half as large again
     shown = ceil(error / 10.0**digit * (1.0 - 1e-9)) * 10.0**digit  # never less than it is
     if 0 <= digit < 5 and abs(value) < 1e6:
         return f"{round(value, -digit):.0f} ± {shown:.0f}"

@@ -38,7 +38,7 @@ def tables(scene: Scene, coupling: Coupling) -> Iterator[Table]:
         "units",
         ("unit", "component", "effects", "remarks"),
         [
-            (name, kind.value, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why), _remarks(kind))
+            (name, kind.shown, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why), _remarks(kind))
             for name, kind in scene.kinds.items()
         ]
         + [(contact.name, f"contact, {contact.law}", "", "") for contact in scene.contacts],

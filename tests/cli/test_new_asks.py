@@ -47,7 +47,7 @@ def test_a_line_a_scene_and_a_case_are_asked_for(answering, tmp_path, capsys):
     assert "Did you mean 'en50367'?" in shown
     assert "How many" in shown
     assert "Distance" not in shown
-    answering("", "my-scene.toml", "120, 160 km/h", "", "")
+    answering("", "my-scene.toml", "120, 160 km/h", "", "", "Run 7", "", "A. Author", "")
     assert exit_code("new", "case") == 0
     commands = [line for line in capsys.readouterr().out.splitlines() if line.startswith("Without questions: ")]
     written = (tmp_path / "my-case.toml").read_bytes()
@@ -55,6 +55,7 @@ def test_a_line_a_scene_and_a_case_are_asked_for(answering, tmp_path, capsys):
     assert exit_code(*shlex.split(commands[0].partition("cosimo ")[2])) == 0  # the same answers as options
     assert (tmp_path / "my-case.toml").read_bytes() == written
     assert 'title = "Line 7"' in (tmp_path / "my-scene.toml").read_text()
+    assert '[document]\ntitle = "Run 7"\nauthor = "A. Author"' in written.decode()
 
 
 @pytest.mark.parametrize(
@@ -62,7 +63,7 @@ def test_a_line_a_scene_and_a_case_are_asked_for(answering, tmp_path, capsys):
     [
         ("scene", ["a.toml", "copy", "overlap", "", "", "", "", ""], ["a.toml", "--from", "overlap"]),
         ("scene", ["a.toml", "components", "Catenary Pantograph", *[""] * 5], ["a.toml", "Catenary", "Pantograph"]),
-        ("case", ["a.toml", "overlap", "", ""], ["a.toml", "overlap", "--limits", "en50367"]),
+        ("case", ["a.toml", "overlap", *[""] * 6], ["a.toml", "overlap", "--limits", "en50367"]),
         ("table", ["", "mass-on-sprin", "mass-on-spring"], ["my-table.toml", "mass-on-spring"]),
         ("component", ["", "Pendulum"], ["Pendulum"]),
         ("vehicle", ["a.csv", "a.toml", "supports.csv"], ["a.toml", "supports.csv"]),

@@ -207,7 +207,9 @@ def test_a_map_of_orbits_over_two_parameters(tmp_path, capsys):
     assert first == [[100.0, "periodic", 1, 1], [110.0, "periodic", 1, 1], [120.0, "periodic", 1, 1]]
     assert second[-1] == [120.0, "chaotic", 0, 0]
     assert len((tmp_path / "motions.csv").read_text().splitlines()) == 7
-    assert "largest exponent" in (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text()
+    assert "largest exponent" in page
+    assert all(axis in page for axis in ("bearing.speed, rpm", "bearing.clearance.radial_clearance, µm"))
 
 
 def test_what_has_no_orbit_is_refused_with_the_reason():
@@ -217,7 +219,7 @@ def test_what_has_no_orbit_is_refused_with_the_reason():
         orbits(bearing(), Forcing(angle="bearing.cage"))
     with pytest.raises(BadInput, match="Hz or rad/s"):
         orbits(bearing(), Forcing(frequency="bearing.mass"))
-    with pytest.raises(BadInput, match="no orbit of 1 periods"):
+    with pytest.raises(BadInput, match="no orbit of 1 period"):
         orbits(bearing(), Forcing(period=0.013), after=5)
     with pytest.raises(BadInput, match="two at least"):
         orbits(bearing(), Forcing(angle="bearing.cage_angle", turns=8), ("bearing.speed", [60.0]))
@@ -232,4 +234,6 @@ def test_the_command_writes_tables_and_a_page_by_the_section_of_the_scene(tmp_pa
     assert kinds == ["fold", "fold", "Neimark-Sacker", "Neimark-Sacker", "fold", "fold"]
     assert (tmp_path / "bifurcations.csv").read_text().count("fold") == 4
     assert "unstable" in (tmp_path / "orbits.csv").read_text()
-    assert "Neimark-Sacker" in (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text()
+    assert "Neimark-Sacker" in page
+    assert "bearing.speed, rpm" in page

@@ -15,7 +15,7 @@ function withError(value, error) {
   const size = value ? Math.floor(Math.log10(Math.abs(value))) : -Infinity;
   let digit = Math.floor(Math.log10(error));
   if (error < 10 ** (size - 5)) { digit = size - 4; error = 10 ** digit; } // negligible: five digits
-  else if (error < 2 * 10 ** digit && digit > size - 5) digit -= 1;
+  else if (error < 3 * 10 ** digit && digit > size - 5) digit -= 1;
   const shown = Math.ceil((error / 10 ** digit) * (1 - 1e-9)) * 10 ** digit;
   if (digit >= 0 && digit < 5 && Math.abs(value) < 1e6) {
     return `${(Math.round(value / 10 ** digit) * 10 ** digit).toFixed(0)} ± ${shown.toFixed(0)}`;

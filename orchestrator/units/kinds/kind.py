@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ....components.core.component import Component
+from ....components.core.folders import cache_root
 
 if TYPE_CHECKING:
     from ...settings import UnitSettings
@@ -58,6 +59,11 @@ class UnitKind(ABC):
     def label(self) -> str:
         """A short name, for drawings."""
         return Path(self.value).name
+
+    @property
+    def shown(self) -> str:
+        """`value` for a reader: of a copy in the cache, such as of an FMU in a package, the name alone."""
+        return self.label if self.is_file and Path(self.value).is_relative_to(cache_root()) else self.value
 
     @property
     def file(self) -> str:

@@ -66,6 +66,9 @@ def test_members_with_evil_names_are_never_written(folder, tmp_path, monkeypatch
     found = [p.relative_to(tmp_path / "cache") for p in (tmp_path / "cache").rglob("*") if p.is_file()]
     kept = {("ssp", "adder.fmu", 3), ("ssp", "adder.fmu.seal", 3)}  # the file, and what proves it
     assert {(p.parts[0], p.name, len(p.parts)) for p in found} == kept
+    assert scene.kinds["a"].shown == "adder.fmu"  # a reader knows no copies
+    (alone,) = load_scene(folder / "adder.fmu").kinds.values()
+    assert alone.shown == str(folder / "adder.fmu")
     stamp = os.stat(scene.units["a"].fmu).st_mtime_ns
     for _ in range(3):
         load_scene(path)  # the copy is written once, however often the scene is read

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,20 +12,45 @@ from ....derivatives.continuation import Branch, Orbits
 from ....derivatives.motions import CHAOTIC, MOTION_COLUMNS, NEITHER, NONE, PERIODIC, REGULAR
 from ....derivatives.orbit import Orbit
 from ....derivatives.orbit_map import OrbitMap
+from ....scene.names import measure_of
+from ....scene.scene import Scene
 from ...charts.blocks import Block, Cells, Figure, Text
 from ...charts.chart import Chart, Panel, Picture, Series
 from ...charts.charts import draw_chart
+from ...preferred_units import preferred
 from ..page import Page, Section, write_page
 
 KINDS = (PERIODIC, CHAOTIC, NEITHER, REGULAR, NONE)
 SIGNALS = 3  # that are drawn over a parameter
 
 
+def _shown(scene: Scene, name: str, values: Iterable[float]) -> tuple[str, float]:
+    """A parameter or a signal with the unit in which values of such a size are read, and the factor to that unit."""
+    unit, _, output = name.partition(".")
+    signal = scene.coupling.interfaces[unit].outputs.get(output) if unit in scene.units else None
+    measure = signal.unit if signal is not None else measure_of(scene, name)
+    text, factor = preferred(measure, max(map(abs, values), default=0.0), name)
+    return f"{name}, {text}" if text else name, factor
+
+
+def _place(scene: Scene, name: str, value: float) -> str:
+    """A value of a parameter in a note."""
+    label, factor = _shown(scene, name, [value])
+    return f"{name} = {factor * value:g} {label.removeprefix(name)[2:]}".rstrip()
+
+
+def _over(study: Orbits) -> tuple[str, float]:
+    """The parameter as `_shown`, of all values of the study."""
+    return _shown(
+        study.scene, study.parameter, [p.value for b in study.branches for p in b.points] + [m.value for m in study.motions]
+    )
+
+
 def for_orbits(study: Orbits, directory: str | Path) -> Path:
     """`report.html` of orbits."""
     blocks: list[Block] = [*_figures(study), *orbit_cells(study)]
     notes = [f"Branch {k}: {'; '.join(branch.ends)}." for k, branch in enumerate(study.branches, 1) if branch.ends]
-    notes += [f"{study.parameter} = {value:g}: {reason}." for value, reason in study.gaps]
+    notes += [f"{_place(study.scene, study.parameter, value)}: {reason}." for value, reason in study.gaps]
     if notes:
         blocks.append(Text(notes, "note"))
     lead = "Fixed points of the map over a period, by Newton's method on its exact derivative."
@@ -38,7 +63,9 @@ def orbit_cells(study: Orbits) -> list[Cells]:
     if not study.parameter:
         orbit = study.branches[0].points[0]
         rows: list[tuple[str, ...]] = [
-            (name, f"{low:.6g}", f"{high:.6g}") for name, low, high in zip(study.signals, orbit.low, orbit.high, strict=True)
+            (label, f"{low * factor:.6g}", f"{high * factor:.6g}")
+            for name, low, high in zip(study.signals, orbit.low, orbit.high, strict=True)
+            for label, factor in (_shown(study.scene, name, (low, high)),)
         ]
         values = [(f"{v.real:.6g}", f"{v.imag:.6g}", f"{abs(v):.6g}") for v in orbit.multipliers.astype(complex)]
         title = f"Orbit of {orbit.period:.8g} s, {_word(orbit)}"
@@ -47,13 +74,14 @@ def orbit_cells(study: Orbits) -> list[Cells]:
             Cells(title, ("signal", "minimum", "maximum"), rows, right=right),
             Cells("Multipliers", ("real", "imaginary", "absolute"), values, right=frozenset({0, 1, 2})),
         ]
+    over, by = _over(study)
     marks: list[tuple[str, ...]] = [
-        (m.kind, f"{m.orbit.value:.6g}", f"{m.orbit.period:.6g}", f"{m.multiplier.real:.4f}", f"{m.multiplier.imag:.4f}")
+        (m.kind, f"{m.orbit.value * by:.6g}", f"{m.orbit.period:.6g}", f"{m.multiplier.real:.4f}", f"{m.multiplier.imag:.4f}")
         for m in study.marks
     ]
     regimes = [
         (
-            f"{m.value:.6g}",
+            f"{m.value * by:.6g}",
             m.kind,
             str(m.stable),
             str(m.periods or "-"),
@@ -62,37 +90,44 @@ def orbit_cells(study: Orbits) -> list[Cells]:
         )
         for m in study.motions
     ]
-    header = ("bifurcation", study.parameter, "period, s", "multiplier, real", "imaginary")
+    header = ("bifurcation", over, "period, s", "multiplier, real", "imaginary")
     branches: list[tuple[str, ...]] = [
-        (str(k), str(b.multiple), str(len(b.points)), *_range(b), f"{sum(p.stable for p in b.points)}")
+        (str(k), str(b.multiple), str(len(b.points)), *_range(b, by), f"{sum(p.stable for p in b.points)}")
         for k, b in enumerate(study.branches, 1)
     ]
     columns = ("branch", "periods", "orbits", "from", "to", "stable")
     right = frozenset(range(1, 6))
     cells = [Cells("Bifurcations", header, marks, right=right), Cells("Branches", columns, branches, right=right)]
-    return [*cells, Cells("Motions", (study.parameter, *MOTION_COLUMNS), regimes, right=right - {1})] if regimes else cells
+    return [*cells, Cells("Motions", (over, *MOTION_COLUMNS), regimes, right=right - {1})] if regimes else cells
 
 
 def for_orbit_map(study: OrbitMap, directory: str | Path) -> Path:
     """`report.html` of orbits over two parameters."""
-    x, y = [motion.value for motion in study.rows[0][1].motions], [value for value, _ in study.rows]
+    (over, by), (across, up) = _axes(study)
+    x, y = [by * motion.value for motion in study.rows[0][1].motions], [up * value for value, _ in study.rows]
     map_of = Picture(x, y, study.exponents, "largest exponent, 1/s", "diverging", (0.0,))
     kinds: dict[str, list[tuple[float, float]]] = {}
     for value, mark in study.marks:
-        kinds.setdefault(mark.kind, []).append((mark.orbit.value, value))
+        kinds.setdefault(mark.kind, []).append((by * mark.orbit.value, up * value))
     points = tuple(Series(kind, np.array(at)[:, 0], np.array(at)[:, 1], "points") for kind, at in kinds.items())
-    chaotic = np.array([(m.value, value) for value, row in study.rows for m in row.motions if m.kind == CHAOTIC]).reshape(-1, 2)
+    chaotic = np.array(
+        [(by * m.value, up * value) for value, row in study.rows for m in row.motions if m.kind == CHAOTIC]
+    ).reshape(-1, 2)
     text = (
         "The largest Lyapunov exponent: of a stable orbit where one was found, else measured along a run. Above 0 (line) the motion is "
         "chaotic where the exponent is larger than its error, at the dots. Other motions may exist beside the one that is shown."
     )
     dots = Series("chaotic", chaotic[:, 0], chaotic[:, 1], "points")
-    chart = Chart("Largest exponents", study.over, (Panel(study.across, (dots,), picture=map_of),), text, height=420)
-    bifurcations = Chart("Bifurcations", study.over, (Panel(study.across, points),), height=420)
+    chart = Chart("Largest exponents", over, (Panel(across, (dots,), picture=map_of),), text, height=420)
+    bifurcations = Chart("Bifurcations", over, (Panel(across, points),), height=420)
     blocks: list[Block] = [draw_chart(chart), draw_chart(bifurcations), map_cells(study)]
-    notes = [f"{study.across} = {v:g}, {study.over} = {at:g}: {why}." for v, row in study.rows for at, why in row.gaps]
+    notes = [
+        f"{_place(study.scene, study.across, v)}, {_place(study.scene, study.over, at)}: {why}."
+        for v, row in study.rows
+        for at, why in row.gaps
+    ]
     notes += [
-        f"{study.across} = {v:g}, branch {k}: {'; '.join(branch.ends)}."
+        f"{_place(study.scene, study.across, v)}, branch {k}: {'; '.join(branch.ends)}."
         for v, row in study.rows
         for k, branch in enumerate(row.branches, 1)
     ]
@@ -102,19 +137,26 @@ def for_orbit_map(study: OrbitMap, directory: str | Path) -> Path:
     return write_page(page, Path(directory) / "report.html")
 
 
+def _axes(study: OrbitMap) -> tuple[tuple[str, float], tuple[str, float]]:
+    """Both parameters as `_shown`."""
+    at = [motion.value for motion in study.rows[0][1].motions]
+    return _shown(study.scene, study.over, at), _shown(study.scene, study.across, [value for value, _ in study.rows])
+
+
 def map_cells(study: OrbitMap) -> Cells:
     """For each value of the second parameter how many of the first have motions of each kind, and which are chaotic."""
+    (over, by), (across, up) = _axes(study)
     rows = []
     for value, row in study.rows:
         kinds = [motion.kind for motion in row.motions]
-        which = ", ".join(f"{motion.value:.4g}" for motion in row.motions if motion.kind == CHAOTIC)
-        rows.append((f"{value:.4g}", *(str(kinds.count(kind)) for kind in KINDS), str(len(row.marks)), which))
-    header = (study.across, *KINDS, "bifurcations", f"chaotic at {study.over}")
+        which = ", ".join(f"{by * motion.value:.4g}" for motion in row.motions if motion.kind == CHAOTIC)
+        rows.append((f"{up * value:.4g}", *(str(kinds.count(kind)) for kind in KINDS), str(len(row.marks)), which))
+    header = (across, *KINDS, "bifurcations", f"chaotic at {over}")
     return Cells("Motions", header, rows, right=frozenset(range(len(KINDS) + 2)))
 
 
-def _range(branch: Branch) -> tuple[str, str]:
-    values = [point.value for point in branch.points]
+def _range(branch: Branch, by: float) -> tuple[str, str]:
+    values = [by * point.value for point in branch.points]
     return f"{min(values):.6g}", f"{max(values):.6g}"
 
 
@@ -127,13 +169,12 @@ def _figures(study: Orbits) -> list[Figure]:
         return []
     moving = [k for k in range(len(study.signals)) if any((p.high - p.low)[k] > 0.0 for b in study.branches for p in b.points)]
     drawn = moving[:SIGNALS]
-    swings = [_panel(study, f"amplitude of {study.signals[k]}", _amplitudes, k) for k in drawn]
-    sections = [_panel(study, f"section of {study.signals[k]}", _sections, k) for k in drawn]
+    over, by = _over(study)
+    swings = [_panel(study, "amplitude", _amplitudes, k, by) for k in drawn]
+    sections = [_panel(study, "section", _sections, k, by) for k in drawn]
     text = "Solid: stable. Dashed: unstable. At a period doubling the branch of the doubled period begins."
-    chart = Chart(
-        f"Orbits over {study.parameter}", study.parameter, tuple(swings), f"Half of maximum less minimum. {text}", height=300
-    )
-    cut = Chart("Sections", study.parameter, tuple(sections), f"Signals at the beginning of each period. {text}", height=300)
+    chart = Chart(f"Orbits over {study.parameter}", over, tuple(swings), f"Half of maximum less minimum. {text}", height=300)
+    cut = Chart("Sections", over, tuple(sections), f"Signals at the beginning of each period. {text}", height=300)
     return [draw_chart(chart), draw_chart(cut)]
 
 
@@ -145,19 +186,22 @@ def _sections(orbit: Orbit) -> np.ndarray:
     return orbit.sections
 
 
-def _panel(study: Orbits, label: str, of: Callable[[Orbit], np.ndarray], signal: int) -> Panel:
+def _panel(study: Orbits, what: str, of: Callable[[Orbit], np.ndarray], signal: int, by: float) -> Panel:
+    """by: factor of the parameter."""
+    points = [point for branch in study.branches for point in branch.points]
+    label, factor = _shown(study.scene, study.signals[signal], [float(v) for p in points for v in of(p)[:, signal]])
     lines: list[Series] = []
     for branch in study.branches:
         for stretch in _stretches(branch):
-            values = np.array([of(point)[:, signal] for point in stretch])
-            at = np.array([point.value for point in stretch])
+            values = factor * np.array([of(point)[:, signal] for point in stretch])
+            at = by * np.array([point.value for point in stretch])
             kind = "line" if stretch[-1].stable else "dashed"
             lines += [Series(_name(branch, stretch[-1]), at, values[:, k], kind) for k in range(values.shape[1])]
     kinds: dict[str, list[tuple[float, float]]] = {}
     for mark in study.marks:
-        kinds.setdefault(mark.kind, []).extend((mark.orbit.value, float(v)) for v in of(mark.orbit)[:, signal])
-    lines += [Series(kind, np.array(points)[:, 0], np.array(points)[:, 1], "points") for kind, points in kinds.items()]
-    return Panel(label, tuple(lines))
+        kinds.setdefault(mark.kind, []).extend((by * mark.orbit.value, factor * float(v)) for v in of(mark.orbit)[:, signal])
+    lines += [Series(kind, np.array(at)[:, 0], np.array(at)[:, 1], "points") for kind, at in kinds.items()]
+    return Panel(f"{what} of {label}", tuple(lines))
 
 
 def _name(branch: Branch, orbit: Orbit) -> str:
