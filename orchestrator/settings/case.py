@@ -154,6 +154,9 @@ class ShippedCaseSettings(Model):
     measures: str = Field(default="", description='"module:function" that gives the measures of the rows of any run')
     rules: str = Field(default="", description='"module:function" that says of a run which conditions hold')
     scene_conditions: str = Field(default="", description='"module:function" that says which hold for all runs of a scene')
+    objects: str = Field(
+        default="", description='"module:function" that names the objects of a scene, each of which has the rows'
+    )
     check: str = Field(default="", description='"module:function" that refuses a scene with nothing to compare')
     sources: dict[str, str] = Field(default={}, description="of rows, by the keys in their column")
     claims: tuple[dict[str, Any], ...] = Field(default=(), description="of a paper")

@@ -37,7 +37,7 @@ def with_rows(
     """A plan or a design with the rows of its table among its limits, and what gives their measures among what is kept.
 
     `folder`: of a table's file.  `table`, `conditions`: another table than that of the settings.  `scene`: of the runs, which says which
-    conditions hold where none is given and the table can tell.  Raises `BadInput`.
+    conditions hold where none is given and the table can tell, and which objects each have the rows.  Raises `BadInput`.
     """
     wanted_rows = RowsSettings(table=table, conditions=tuple(conditions)) if table else settings.rows
     if conditions and not table:
@@ -59,7 +59,12 @@ def with_rows(
         )
     field = "limits" if isinstance(settings, PlanSettings) else "constraints"
     own: Limits = getattr(settings, field)
-    limits = {as_column(r.measure): _limit(r) for r in chosen}
+    objects = named_function(given.objects)(scene) if scene is not None and given.objects else ()
+    limits = {
+        f"{n}{'.' if n else ''}{as_column(r.measure)}": _limit(r, n)
+        for n in (objects if len(objects) > 1 else ("",))
+        for r in chosen
+    }
     if twice := sorted(limits.keys() & own.keys()):
         raise BadInput(
             field,
@@ -93,8 +98,9 @@ def unconfirmed(limits: Limits) -> list[str]:
     return [f"unconfirmed ranges, which no run passes or fails by: {'; '.join(names)}"] if names else []
 
 
-def _limit(row: TableRow) -> LimitSettings:
-    words = f"{row.quantity} ({row.condition})" if row.condition else row.quantity
+def _limit(row: TableRow, of: str = "") -> LimitSettings:
+    where = ", ".join(filter(None, (of, row.condition)))
+    words = f"{row.quantity} ({where})" if where else row.quantity
     return LimitSettings.model_validate(
         {
             "low": None if row.low is None else float(row.low),

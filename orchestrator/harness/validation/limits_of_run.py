@@ -78,7 +78,11 @@ def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[
     if not table.rules:
         rows = rows_under(table.rows, limits)
         measures = named_function(table.measures)(result) if table.measures else named_numbers(rows, result, numbers)
-        return [Judged(row, row.measure, float(measures[row.measure]), row.measure) for row in rows], []
+        objects = named_function(table.objects)(result.scene) if table.objects else ()
+        if len(objects) < 2:
+            return [Judged(row, row.measure, float(measures[row.measure]), row.measure) for row in rows], []
+        of_each = [(f"{o}.{row.measure}", replace(row, condition=f"{o}, {row.condition}")) for o in objects for row in rows]
+        return [Judged(row, name, float(measures[name]), name) for name, row in of_each], []
     known = {row.condition for row in table.rows}
     judged, missing = [], []
     for rules in named_function(table.rules)(result):

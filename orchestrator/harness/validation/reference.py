@@ -198,6 +198,9 @@ class Table:
     scene_conditions: str = (
         ""  # "module:function" that says which hold for all runs of a scene but for what varies, none if they differ
     )
+    objects: str = (
+        ""  # "module:function" that names the objects of a scene, each with the rows; measures of each begin with its name
+    )
     check: str = ""  # "module:function" that refuses a scene whose runs have nothing to compare, where that can be known
 
     def under(self, condition: str) -> tuple[TableRow, ...]:
@@ -232,7 +235,7 @@ def parse_table(name: str, text: str, lines: str) -> Table:
 
 def functions(data: Mapping[str, Any]) -> dict[str, str]:
     """The functions that a table names."""
-    return {key: str(data.get(key, "")) for key in ("measures", "rules", "scene_conditions", "check")}
+    return {key: str(data.get(key, "")) for key in ("measures", "rules", "scene_conditions", "objects", "check")}
 
 
 def named_function(text: str) -> Callable[..., Any]:

@@ -198,6 +198,25 @@ def contacts(scene: Scene, recorded: Collection[str]) -> list[Contact]:
     return recorded_ones
 
 
+def whole_collectors(scene: Scene) -> tuple[str, ...]:
+    """Names of the passages that a run of the scene will have and that are judged: of strips and wires the sums."""
+    names = [contact.unit for contact in contacts(scene, {".".join(end) for end in scene.coupling.signals})]
+    for part, whole in ((SECOND, ".both_wires"), (STRIPS, ".both_strips")):
+        for first in [n.removesuffix(part) for n in names if n.endswith(part) and n.removesuffix(part) in names]:
+            names = [n for n in names if n not in (first, first + part)] + [first + whole]
+    return tuple(names)
+
+
+def of_each(result: Result, numbers: Callable[[int], Mapping[str, float]]) -> dict[str, float]:
+    """Numbers of the foremost pantograph by their names; of several those of each, too, with its name before them.
+
+    numbers: of a passage by its place in `passages`.
+    """
+    whole = {p.pantograph: numbers(i) for i, p in enumerate(passages(result)) if not p.part}
+    first = next(iter(whole.values()), {})
+    return {**first, **({f"{name}.{n}": v for name, of in whole.items() for n, v in of.items()} if len(whole) > 1 else {})}
+
+
 def check_contacts(scene: Scene) -> None:
     """Refuse a scene whose run has no passage to judge."""
     if not contacts(scene, {".".join(end) for end in scene.coupling.signals}):

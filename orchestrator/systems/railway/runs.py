@@ -15,7 +15,7 @@ from ...scene.scene import Scene
 from ...scene.shorter_steps import kept_runs
 from ...units.component import make
 from .. import load_scene
-from .records import measured, statistics
+from .records import measured, of_each, statistics
 
 KMH = 1.0 / 3.6  # m/s
 WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": (), "record.snapshot_interval": None}
@@ -74,6 +74,11 @@ def set_mean_run(name: str, speed: float, target: float, options: Options) -> tu
     static_force = guess * target / mean
     scaled = at_speed(scene, speed, {force: static_force})
     return done(run(scaled, in_process=options.in_process, progress=options.progress)), static_force, mean
+
+
+def numbers_of_each(result: Result) -> dict[str, float]:
+    """As `numbers`, of several pantographs of each, see `of_each`."""
+    return of_each(result, lambda i: measured(statistics(result, pantograph=i))) if result.outcome == "done" else {}
 
 
 def numbers(result: Result, low_pass: ButterworthFilter | None = None) -> dict[str, float]:

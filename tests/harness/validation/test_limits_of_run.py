@@ -5,10 +5,13 @@ from dataclasses import replace
 
 import pytest
 from cosimo import BadInput, load_scene, run, validate, write_report
+from cosimo.orchestrator.harness.many.limits import with_rows
+from cosimo.orchestrator.harness.many.plan import plan_settings
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
-from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.harness.validation.reference import load_table, named_function
 from cosimo.orchestrator.judgement import verification
-from cosimo.orchestrator.systems.railway.cases.en50367 import conditions, scene_conditions
+from cosimo.orchestrator.systems.railway.cases.en50367 import conditions, measures, rules, scene_conditions
+from cosimo.orchestrator.systems.railway.records import whole_collectors
 from cosimo.tests.commands import exit_code
 
 ROW = '[[rows]]\nquantity = "{0}"\nmeasure = "{0}"\nunit = "N"\n{1}\nstanding = "verbatim"\nsource = "sheet"\n'
@@ -74,6 +77,27 @@ def test_each_pantograph_is_judged_at_its_own_speed():
     result = run(scene.with_changes({"leading.start_position": 130.0}), in_process=True, verify="no")
     case, _ = judge(result, result.summary)
     assert {row.reference.condition.partition(",")[0] for row in case.findings.rows} == {"leading", "trailing"}
+    plan = plan_settings({"vary": {"leading.static_force": [110.0, 120.0]}})
+    for name in ("en50367", "en50318-2002"):  # many runs, and a table without rules, have rows of each
+        chosen = () if name == "en50367" else ("250 km/h",)
+        limits = with_rows(plan, table=name, conditions=chosen, scene=result.scene).limits
+        numbers = named_function(load_table(name).measures)(result)
+        assert {column.partition(".")[0] for column in limits} == {"leading", "trailing"}
+        assert limits.keys() <= numbers.keys()
+        assert numbers["leading.std"] == numbers["std"] != numbers["trailing.std"]
+    by_name = {f"{of.label}.{n}": v for of in rules(result) for n, v in of.measures.items()}
+    assert {n: v for n, v in measures(result).items() if "." in n} == pytest.approx(by_name, nan_ok=True)
+    other = replace(result, scene=result.scene.with_changes({"limits": {"table": "en50318-2002", "conditions": ["250 km/h"]}}))
+    case, answers = judge(other, other.summary)
+    assert {name.partition(".")[0] for name in answers} == {"leading", "trailing"}
+    simulated = {row.reference.condition: row.simulated for row in case.findings.rows if row.reference.measure == "std"}
+    assert simulated == {f"{n}, 250 km/h": result.summary.value(f"{n}.std") for n in ("leading", "trailing")}
+
+
+def test_collectors_are_judged_as_wholes():
+    assert whole_collectors(load_scene("overlap")) == ("pantograph.both_wires",)
+    assert whole_collectors(load_scene("two-strips")) == ("pantograph.both_strips",)
+    assert whole_collectors(load_scene("two-pantographs")) == ("leading", "trailing")
 
 
 def test_a_table_of_ones_own_decides(result, tmp_path):

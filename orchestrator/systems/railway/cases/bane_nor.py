@@ -14,7 +14,7 @@ from ....harness.validation import Evidence, Runs
 from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, compare, load_table
 from .. import RailwayKeys
-from ..records import SECOND, STRIPS, Passage, analysis_window, passages, wave_speed
+from ..records import SECOND, STRIPS, Passage, analysis_window, of_each, passages, wave_speed
 from ..runs import KMH, ac_simple_run, reference_run
 
 if TYPE_CHECKING:
@@ -42,8 +42,8 @@ def measure(runs: Runs) -> Evidence:
 
 
 def measures(result: Result) -> dict[str, float]:
-    """Of the foremost pantograph, by the rows' measures; without those that a run does not tell."""
-    return _measures(result, _whole(result)[0])
+    """Of each pantograph, see `of_each`, by the rows' measures; without those that a run does not tell."""
+    return of_each(result, lambda i: _measures(result, passages(result)[i]))
 
 
 def rules(result: Result) -> list[Rules]:

@@ -11,7 +11,7 @@ from ....harness.validation import Evidence, Runs
 from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, TableRow, compare, load_table
 from .. import RailwayKeys
-from ..records import measured, passages, statistics, wave_speed
+from ..records import measured, of_each, passages, statistics, wave_speed
 from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
 
 if TYPE_CHECKING:
@@ -59,9 +59,9 @@ def _under(row: TableRow, condition: str) -> TableRow:
 
 
 def measures(result: Result) -> dict[str, float]:
-    """What the rules are about, of the foremost pantograph, by the rows' measures; no speed ratio where the catenary does not say
-    what its wire is."""
-    return _measures(result, 0)
+    """What the rules are about, of each pantograph, see `of_each`, by the rows' measures; no speed ratio where the catenary does not
+    say what its wire is."""
+    return of_each(result, lambda i: _measures(result, i))
 
 
 def rules(result: Result) -> list[Rules]:
