@@ -256,12 +256,17 @@ def spread(name: str, unit: str, values: np.ndarray) -> Spread:
 def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     texts = []
     if failed := sum(o != "done" for o in runs.outcomes):
-        texts.append(f"{failed} of {len(runs.outcomes)} runs failed and are left out: the distributions are of what is left")
+        shares = " and the shares that keep limits" if runs.plan.limits else ""
+        texts.append(
+            f"{failed} of {len(runs.outcomes)} runs failed and are left out: the distributions{shares} are of what is left"
+        )
     if any(np.isnan(s.tolerance[0]) for s in spreads):
         texts.append(f"too few samples for tolerance intervals of 95 % with 95 % confidence: they need {FOR_TOLERANCE}")
-    elif method != "random":
+    intervals = ["tolerance intervals"] * bool(np.isfinite([s.tolerance for s in spreads]).any())
+    intervals += ["the intervals of shares"] * bool(runs.plan.limits)
+    if intervals and method != "random":
         texts.append(
-            f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
+            f"the confidence of {' and '.join(intervals)} is that of independent samples; those of method {method!r} are more "
             "even, so that it is not exact"
         )
     return [

@@ -65,6 +65,11 @@ def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
     linear, total = (answer.sweep.measures[f"f.{name}, end"] for name in ("linear", "total"))
     assert together.inside == np.sum((linear <= 5.2) & (total >= 4.0))
     assert any("unconfirmed" in text and "f.total" in text and "f.linear" not in text for text in answer.messages)
+    even = uncertainty(
+        read_scene(scene), plan | {"method": "sobol", "points": 16}, limits=limits
+    )  # no tolerance interval of so few
+    exact = [any("confidence of the intervals of shares" in text for text in a.messages) for a in (answer, even)]
+    assert exact == [False, True]
     _, file = answer.save(tmp_path)
     rows = list(csv.DictReader(file.open()))
     assert [(r["column"], r["standing"], r["source"]) for r in rows] == [
