@@ -19,8 +19,6 @@ from cosimo.orchestrator.systems.railway.line import save, svg, text_drawing
 from cosimo.tests.systems.railway.network import G, Network
 from scipy.linalg import eigh
 
-pytestmark = pytest.mark.interpreted
-
 CONTACT, AUXILIARY, MESSENGER = (14.7e3, 1.511), (14.7e3, 1.375), (24.5e3, 1.45)  # N, kg/m
 COMPOUND = """
 [[sections]]
@@ -67,6 +65,7 @@ def network(form, places=(), contact=CONTACT):
     return net
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("text", [COMPOUND, UNEVEN])
 def test_both_rows_of_droppers_bring_the_wires_where_they_were_to_be(text):
     """Dropper lengths and both tensions, against strings; mesh and form finding agree."""
@@ -80,6 +79,7 @@ def test_both_rows_of_droppers_bring_the_wires_where_they_were_to_be(text):
     assert catenary(text).mesh.preload == pytest.approx(form.preload, rel=1e-9)
 
 
+@pytest.mark.interpreted
 def test_weights_and_lengths_are_those_of_statics():
     """A dropper carries its share of all below it; the messenger hangs by the moment of its loads over its tension."""
     form = find_form(read_line(COMPOUND), parameters())
@@ -191,6 +191,7 @@ def test_a_released_line_moves_as_the_modes_of_strings_assembled_apart():
     assert np.std(heights - expected) < 0.01 * np.std(expected)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("change", [0.0, 20.0])
 def test_worn_and_warm_lines_keep_their_cut_lengths(change):
     """A fifth of the contact wire gone, and an auxiliary wire between anchors: strain and shape are those of a network of strings."""
@@ -214,6 +215,7 @@ def test_worn_and_warm_lines_keep_their_cut_lengths(change):
     assert kept[1] - kept[0] == pytest.approx(-1.7e-5 * change, abs=1e-9)
 
 
+@pytest.mark.interpreted
 def test_droppers_as_a_table_are_read_back(tmp_path):
     """By heights, by cut lengths, and mixed at one place; a contact wire's dropper on the messenger is refused."""
     line = read_line(UNEVEN)
@@ -231,6 +233,7 @@ def test_droppers_as_a_table_are_read_back(tmp_path):
         find_form(with_droppers(line, text.replace(",auxiliary,", ",messenger,"), "mine"), parameters())
 
 
+@pytest.mark.interpreted
 def test_three_wires_of_the_shipped_line_are_drawn():
     """Its tensions add up to the 53.9 kN that were read."""
     form = find_form(read_line((files(systems) / "railway/lines/heavy-compound.toml").read_text(encoding="utf-8")), parameters())
@@ -242,6 +245,7 @@ def test_three_wires_of_the_shipped_line_are_drawn():
     assert drawn.count("~") > 100
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
