@@ -1,9 +1,12 @@
 """Refusals of commands say each thing once: what came, what was expected, and the command or file that would do."""
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from cosimo.components.core.errors import counted, nearest, pick
+from cosimo.orchestrator.systems.railway.line import refuse_pushing
 from cosimo.tests.commands import exit_code
 
 SUPPORTS = "position [m]; contact height [m]\n0;{0}\n50;{0}\n100;{0}\n150;{0}\n"
@@ -57,3 +60,12 @@ def test_systems_are_listed_by_what_they_have(word, capsys):
 def test_a_kind_is_listed_by_its_singular_too(capsys):
     assert exit_code("list", "component", "--json") == 0
     assert list(json.loads(capsys.readouterr().out)) == ["components"]
+
+
+@pytest.mark.parametrize(("lower", "said"), [((0, 0), "-3 N at 7 m"), ((0, 2), "-3 N at 7 m (contact wire 2)")])
+def test_a_dropper_that_pushes_is_told_by_its_wire_where_there_are_two(lower, said):
+    droppers = SimpleNamespace(position=np.array([5.0, 7.0]), lower=np.array(lower))
+    form = SimpleNamespace(preload=np.array([40.0, -3.0]), layout=SimpleNamespace(droppers=droppers))
+    with pytest.raises(ValueError, match="1 of 2 droppers with thrust at rest") as refusal:
+        refuse_pushing(form, "line")
+    assert said + ", expected tension in every dropper" in str(refusal.value)
