@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def sums_of(scene: Scene, signals: Collection[str]) -> dict[str, str]:
     """Signal -> its sum, "unit.output" both, of those of these signals that are a part, where neither the sum nor all parts are there."""
-    of_parts = {}
+    of_parts = dict[str, str]()
     for unit, interface in scene.coupling.interfaces.items():
         for name, parts in interface.sums.items():
             whole, some = f"{unit}.{name}", [f"{unit}.{part}" for part in parts]

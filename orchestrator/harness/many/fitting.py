@@ -149,7 +149,7 @@ class _Fitting:
         for run, scene, of in zip(each, fitted, row.of, strict=True):
             comparisons = run.compared(scene, of)
             messages += [c.counted for c in comparisons if c.incomplete]
-            messages += [c.alone for c in (*comparisons, *run.spectra(scene, of)) if c.alone]
+            messages += [text for text in (*(c.alone for c in comparisons), *(s.alone for s in run.spectra(scene, of))) if text]
             messages += [text for c in comparisons if (text := _between(c))]
         tests = residual_tests(residuals, best, row)
         messages += [test.words for test in tests if not test.holds]
