@@ -46,18 +46,24 @@ COUNTED = {"performance_table", "furling", "bearing_friction"}  # of the turbine
 @dataclass(frozen=True)
 class Site:
     """Rotor, pump and winds as arrays. winds: (n,) m/s and weights: s of a year; torques: (n, RATIOS) N.m of the wind less
-    friction at speeds, rad/s, likewise; pump: speeds, rad/s, with torques, N.m, and flows, m³/s.  notes: what is not counted."""
+    friction at speeds, rad/s, likewise; pump: speeds, rad/s, with torques, N.m, and flows, m³/s, and the last speed at which its table
+    says them.  notes: what is not counted."""
 
     winds: np.ndarray
     weights: np.ndarray
     speeds: np.ndarray
     torques: np.ndarray
     pump: tuple[np.ndarray, np.ndarray, np.ndarray]
+    last: float
     converter: Any
     notes: tuple[str, ...]
 
     def by_converter(self, gear: float, lever: float) -> float:
         """Water of a year, m³, with a gear and a mass of the lever, kg."""
+        return self._water(self.converter_speeds(gear, lever))
+
+    def converter_speeds(self, gear: float, lever: float) -> np.ndarray:
+        """(n,) speeds of the pump in the winds, rad/s, with a gear and a mass of the lever, kg."""
         settings = self.converter
         one = AveragedConverter((), {**settings.parameters, "lever_mass": lever}, preset=settings.preset)
         k1, k2 = one.coefficients()
@@ -67,12 +73,16 @@ class Site:
             middle = 0.5 * (low + high)
             faster = k1 * crank**2 - k2 * crank * middle > np.interp(middle, *self.pump[:2])
             low, high = np.where(faster, middle, low), np.where(faster, high, middle)
-        return self._water(self.torques - gear * (k1 * crank - k2 * low) * low, low)
+        return self._turning(self.torques - gear * (k1 * crank - k2 * low) * low, low)
 
     def by_fixed(self, ratio: float) -> float:
         """Water of a year, m³, behind a fixed ratio, pump over turbine, that always runs where it can."""
+        return self._water(self.fixed_speeds(ratio))
+
+    def fixed_speeds(self, ratio: float) -> np.ndarray:
+        """(n,) speeds of the pump in the winds, rad/s, behind a fixed ratio."""
         speed = ratio * self.speeds
-        return self._water(self.torques - ratio * np.interp(speed, *self.pump[:2]), speed)
+        return self._turning(self.torques - ratio * np.interp(speed, *self.pump[:2]), speed)
 
     def best_fixed(self) -> tuple[float, float]:
         """(ratio, water of a year in m³) of the fixed ratio that gives most."""
@@ -82,13 +92,21 @@ class Site:
         """(gear, water of a year in m³) of the converter that gives most with a lever, kg."""
         return _best(lambda gear: self.by_converter(gear, lever), GEARS)
 
-    def _water(self, surplus: np.ndarray, speeds: np.ndarray) -> float:
+    def beyond(self, what: str, speeds: np.ndarray) -> list[str]:
+        """A note where speeds of the pump in the winds, (n,) rad/s, are those at which its table says nothing."""
+        first = self.winds[speeds > self.last]
+        where = f"in winds from {first.min():.3g} m/s on" if first.size else ""
+        return [f"{what}: {where} the flow lies behind the last row of the pump's table, which goes on straight"] if where else []
+
+    def _water(self, speeds: np.ndarray) -> float:
+        return float(self.weights @ np.interp(speeds, self.pump[0], self.pump[2]))
+
+    def _turning(self, surplus: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """Of torques that are left, N.m, at speeds of the pump, rad/s: where they fall through 0 it turns, with the largest flow."""
         before, after = surplus[:, :-1], surplus[:, 1:]
         falls = (before > 0.0) & (after <= 0.0)
         share = np.where(falls, before / np.where(falls, before - after, 1.0), 0.0)
-        at = np.where(falls, speeds[:, :-1] + share * np.diff(speeds, axis=1), 0.0).max(axis=1)
-        return float(self.weights @ np.interp(at, self.pump[0], self.pump[2]))
+        return np.asarray(np.where(falls, speeds[:, :-1] + share * np.diff(speeds, axis=1), 0.0).max(axis=1))
 
 
 def site_of(scene: Scene, mean: float, shape: float = 2.0) -> Site:
@@ -127,7 +145,7 @@ def site_of(scene: Scene, mean: float, shape: float = 2.0) -> Site:
         if effects.furling is not None
         else [f"the rotor does not furl: the flow stays above {furled:g} m/s, twice the mean wind"]
     )
-    return Site(winds, YEAR * weights, speeds, driving - drag, _curve(pump, pipe), converter, tuple(notes))
+    return Site(winds, YEAR * weights, speeds, driving - drag, *_curve(pump, pipe), converter, tuple(notes))
 
 
 def _torque(turbine: Any, ratio: float) -> float:
@@ -150,8 +168,9 @@ def _one(scene: Scene, *classes: type) -> tuple[Any, Any]:
     return component, settings
 
 
-def _curve(pump: Any, pipe: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Speeds, rad/s, with torque, N.m, and flow, m³/s, of a pump against its pipe; the first speed is hardly any."""
+def _curve(pump: Any, pipe: Any) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], float]:
+    """Speeds, rad/s, with torque, N.m, and flow, m³/s, of a pump against its pipe; the first speed is hardly any. And the last speed
+    before the flow lies behind the last row of the pump's table."""
     static = float(pipe.parameters["static_head"])
     loss = float(pipe.parameters["friction.coefficient"]) if "friction" in pipe.on else 0.0
 
@@ -161,13 +180,15 @@ def _curve(pump: Any, pipe: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return float(pump.get("flow"))
 
     speeds = np.concatenate(([0.0], np.geomspace(1e-3, 1e4, SPEEDS)))
-    torques, flows = np.empty_like(speeds), np.empty_like(speeds)
+    torques, flows, last = np.empty_like(speeds), np.empty_like(speeds), math.inf
     for k, speed in enumerate(speeds.tolist()):
         pump.set("speed", speed)
         most = static + loss * flow(static) ** 2
         head = brentq(lambda h: h - static - loss * flow(h) ** 2, static, most, xtol=1e-9 * most) if most > static else static
         flows[k], torques[k] = flow(float(head)), pump.get("torque")
-    return speeds, torques, flows
+        if last == math.inf and "curve_table" in pump.on and pump.get("curve_table.beyond"):
+            last = float(speeds[k - 1])
+    return (speeds, torques, flows), last
 
 
 def _best(water: Any, places: np.ndarray) -> tuple[float, float]:
@@ -247,11 +268,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"it wins with gears from {low:.3g} to {high:.3g}" if low == low else "it loses with every gear")
     print(f"sought: gears from {GEARS[0]:g} to {GEARS[-1]:g}")
     print(f"best fixed ratio, pump over turbine: {ratio:.3g}, {fixed:.4g} m3 a year where it always runs")
-    for note in site.notes:
+    best = max(rows, key=lambda row: row[2])
+    beyond = [
+        *site.beyond("best fixed ratio", site.fixed_speeds(ratio)),
+        *site.beyond(f"lever of {best[0]:g} kg", site.converter_speeds(best[1], best[0])),
+    ]
+    for note in (*site.notes, *beyond):
         print(note)
     header = ("lever_mass", "gear_ratio", "water", "over_fixed", "wins_from", "wins_to")
     print(f"wrote {write_table(given.output, 'sizing.csv', header, [('kg', '1', 'm3', '1', '1', '1'), *rows])}")
-    best = max(rows, key=lambda row: row[2])
     unit = next(name for name, cls in scene.component_classes.items() if issubclass(cls, AveragedConverter))
     print(f"next: --set {unit}.lever_mass={best[0]:g} --set {unit}.gear_ratio={best[1]:.4g}")
 

@@ -37,6 +37,15 @@ def test_a_pump_with_a_curve_delivers_against_the_losses_of_its_pipe():
     assert n**2 * 30.0 - n * 2e3 * q - 5.3e6 * q**2 == pytest.approx(20.0 + 1e6 * q**2)
 
 
+def test_winds_in_which_a_pump_leaves_its_table_are_told():
+    """Its last row is 9.2 m at 150 rad/s, and so 20 m at 150 sqrt(20 / 9.2): 221.2 rad/s, between two places of the curve."""
+    changes = {"units.pump": {"component": "CentrifugalPump", "effects": ["curve_table"]}, "connections": []}
+    site, last = site_of(SCENE.with_changes(changes), 4.0), 150.0 * np.sqrt(20.0 / 9.2)
+    assert 0.97 * last < site.last <= last
+    notes = [site.beyond("x", shown) for shown in (0.97 * site.last + 0.0 * site.winds, last / 5.0 * site.winds)]  # at 5 m/s
+    assert (notes[0], notes[1][0].split(" m/s")[0]) == ([], "x: in winds from 5")
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
