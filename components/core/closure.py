@@ -63,11 +63,8 @@ def closure(
             continue
         if path not in seen:
             digest, statements = index.read(path)
-            seen[path] = (
-                digest,
-                _beside(path, statements),
-                [n for level, *whole in statements if not level for n in _full(*whole)],
-            )
+            names = [n for level, module, some in statements if not level for n in _full(module, some)]
+            seen[path] = digest, _beside(path, statements), names
         digests[path], beside, names = seen[path]
         pending += [*beside, *(str(there) for name in names if (there := absolute(name)) is not None)]
     index.save()
