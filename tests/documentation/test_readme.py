@@ -4,12 +4,16 @@ The lines that install, the first command behind them and the one that starts th
 them. A command that several pages show is run once. One that only runs a shipped scene, with the options that the README has, or
 validates shipped cases, is left to tests/systems/test_as_shipped.py, which does so with all scenes and cases by their commands, and the
 page of the railway to tests/harness/explore/test_explore_page.py.
+
+Commands of the README run in a shell, those of the other pages in this process, where the libraries and the kernels are loaded once:
+a process of its own for each of a hundred takes half a second to start and as much to load kernels.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -21,6 +25,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import cases, load_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.short_run import full_but
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,14 +117,33 @@ def elsewhere(command: str) -> bool:
     return any((plain := re.fullmatch(form, command)) and {*plain[1].split()} <= {*names} for form, names in shipped.items())
 
 
+def of_cosimo(page: str, command: str) -> list[str]:
+    """The arguments of a command that needs no shell and no process of its own, else none."""
+    if page == README.name or not command.startswith("cosimo ") or command.startswith("cosimo cache"):
+        return []
+    words = shlex.shlex(command, posix=True, punctuation_chars=True)
+    words.whitespace_split = True  # `a=b` is a word, `;` and `>` are words of their own unless quoted
+    words = list(words)
+    plain = words == shlex.split(command, comments=True) and not re.search(r"[$`*?]", command)
+    assert plain, f"{command}: a shell does more with it than to part words"
+    return words[1:]
+
+
 @pytest.mark.parametrize(("page", "command"), full_but([(name_of(README), "cosimo list")], shown_commands()))
-def test_commands(page, command, folders):
+def test_commands(page, command, folders, monkeypatch, capsys):
     if any(word in command for word in NEED_ZIG) and find_spec("ziglang") is None:
         pytest.skip("zig is not installed (extra 'native')")
-    own = {"COSIMO_CACHE": str(folders(page) / "cache")} if command.startswith("cosimo cache") else {}  # not what others use
-    done = shell(command, folders(page), **own)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
+    if arguments := of_cosimo(page, command):
+        monkeypatch.chdir(folders(page))
+        monkeypatch.setattr(sys, "path", [*sys.path])  # a command adds its working directory
+        code = exit_code(*arguments)
+        printed, errors = capsys.readouterr()
+    else:
+        own = {"COSIMO_CACHE": str(folders(page) / "cache")} if command.startswith("cosimo cache") else {}  # not what others use
+        done = shell(command, folders(page), **own)
+        code, printed, errors = done.returncode, done.stdout, done.stderr
+    assert code == 0, printed + errors
+    assert "Traceback" not in errors
     for option in re.findall(r"(?:-o|--output|--output-file) (\S+)", command):
         assert (folders(page) / option).exists()
 

@@ -237,13 +237,13 @@ def test_missing_column_names_the_near_ones():
     in_plain_python(
         [
             *((name, 0.0) for name in FIRST_OF_SYSTEM.values()),
-            *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in covering_scenes()),
+            *(pytest.param(name, 0.02, marks=pytest.mark.full) for name in covering_scenes()),
         ]
     ),
 )
 @pytest.mark.uncompiled
 def test_shipped_scenes_run_alike_as_fmus_and_in_process(name, least):
-    """One a system over 20 macro steps, and scenes that have all components over 50 ms or 100 macro steps."""
+    """One a system over 20 macro steps, and scenes that have all components over 20 ms or 100 macro steps."""
     scene = load_scene(name)
     stop = max(min(least, 100 * scene.master.step), 20 * scene.master.step)
     short = {"stop_time": stop, "record.interval": None, "faults": []}

@@ -65,7 +65,7 @@ def test_the_factor_is_continuous_between_its_ranges_and_ends_at_both():
 
 
 def test_the_life_of_a_run_is_that_of_its_mean_rate():
-    scene = cosimo.load_scene("rotor-run-up").with_changes({"left.effects.rating_life": True, "stop_time": 0.01})
+    scene = cosimo.load_scene("rotor-run-up").with_changes({"left.effects.rating_life": True, "stop_time": 0.003})
     scene = scene.with_changes({"record.signals": [*scene.record.signals, "left.rating_life.rate"]})
     result = cosimo.run(scene, in_process=True, verify="no")
     rows = {row.name: row for row in cosimo.summary(result)}
