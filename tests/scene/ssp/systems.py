@@ -3,6 +3,7 @@
 import zipfile
 from pathlib import Path
 
+from cosimo.tests.scene_runs import finished
 from fmpy.ssp import ssd
 from lxml import etree
 
@@ -19,6 +20,10 @@ UNITS = {
     "K": 'K="1"',
     "degF": 'K="1" factor="0.5555555555555556" offset="255.3722222222222"',
 }
+STEP = (
+    '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>'
+    "</osp:Algorithm></ssc:Annotation>"
+)
 HALF = 0.5  # s: macro step of the systems, so that integrals are exact
 
 
@@ -148,3 +153,16 @@ def validated(text: bytes | str, schema: str = "SystemStructureDescription.xsd")
     root = etree.fromstring(text.encode() if isinstance(text, str) else text)
     etree.XMLSchema(etree.parse(str(SCHEMAS / schema))).assertValid(root)
     return root
+
+
+PAIR = component("a") + component("b")
+
+
+def values(scene):
+    """Last value of each recorded output."""
+    result = finished(scene)
+    return {name: float(column[-1]) for name, column in result.columns.items()}
+
+
+def read(load, root, more="", experiment='stopTime="1"', annotations=STEP, **options):
+    return load(document(root, more, experiment, annotations), **options)

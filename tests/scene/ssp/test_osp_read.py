@@ -6,7 +6,7 @@ The FMU: x' = u, y = gain u + count + 100 flag + 1000 mode + 10000 letters of th
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems import load_scene
-from cosimo.tests.scene_runs import finished
+from cosimo.tests.scene.ssp.systems import values
 
 SPACE = 'xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1"'
 GROUPS = """<OspModelDescription xmlns="http://opensimulationplatform.com/MSMI/OSPModelDescription" version="0.1"><VariableGroups>
@@ -54,11 +54,6 @@ def read(folder):
         return load_scene(path)
 
     return read
-
-
-def values(scene):
-    result = finished(scene)
-    return {name: float(column[-1]) for name, column in result.columns.items()}
 
 
 def test_variables_initial_values_and_times(read):

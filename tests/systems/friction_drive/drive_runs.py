@@ -1,4 +1,7 @@
-"""Made-up runs of friction-wheel drives, as the report sees them: exponential answers to steps, a shaft that stands."""
+"""Made-up runs of friction-wheel drives, as the report sees them: exponential answers to steps, a shaft that stands.
+
+Beside them the effects with which single ones of the wheels are tested.
+"""
 
 import numpy as np
 from cosimo.orchestrator.run.results import Result
@@ -12,6 +15,8 @@ LINKS = [
     "wheels.first_torque -> left.load_torque", "wheels.second_torque -> right.load_torque",
     "wheels.feed -> controller.feed", "wheels.rotation -> controller.rotation",
 ]  # fmt: skip
+FULL = ("exact_slip", "trocar_friction", "gravity", "preload_loss")  # one compilation for all tests of single effects
+NEUTRAL = {"trocar_friction.level": 0.0, "gravity.acceleration": 0.0, "preload_loss.first": 0.0}
 
 
 def drive_run(analysis=None, law=("exact_slip",), controller=True, starts=0, overshoot=0.0):
