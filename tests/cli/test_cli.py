@@ -57,7 +57,7 @@ def test_list_for_programs(capsys):
 def test_list_of_one_kind(capsys):
     assert exit_code("list", "components") == 0
     assert "Pantograph" in capsys.readouterr().out
-    assert exit_code("list", "component") == 2
+    assert exit_code("list", "componets") == 2
     assert "Did you mean 'components'" in capsys.readouterr().err
 
 
