@@ -1,14 +1,12 @@
 """Sections of a motion: its signals each time an angle has advanced by the same amount, or a surface is passed.
 
-A bifurcation diagram is such a section of a component over the values of a parameter.
+Seen over the values of a parameter they make a bifurcation diagram.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -68,18 +66,6 @@ def distinct(points: np.ndarray, tolerance: float) -> int:
     return int(connected_components(links, directed=False)[0])
 
 
-C = TypeVar("C", bound=Component)
-
-
-@dataclass(frozen=True)
-class Bifurcation:
-    """Stroboscopic points over the values of a parameter."""
-
-    values: np.ndarray  # (n,)
-    signals: tuple[str, ...]
-    points: np.ndarray  # (n, k, len(signals))
-
-
 def stroboscopic_points(
     component: Component, period: float, points: int, signals: Sequence[str], *, transient: int = 0
 ) -> np.ndarray:
@@ -94,33 +80,3 @@ def stroboscopic_points(
         if k >= transient:
             rows[k - transient] = component.y[at]
     return rows
-
-
-def bifurcation(
-    make: Callable[[float], C],
-    values: Iterable[float],
-    period: Callable[[C], float],
-    signals: Sequence[str],
-    *,
-    points: int = 100,
-    transient: int = 100,
-    follow: bool = False,
-    progress: Callable[[float], None] | None = None,
-) -> Bifurcation:
-    """The component `make(value)` at each value, seen once per `period(component)`.
-
-    follow: start each run from the end of the one before, not from the component's own start: upward and downward sweeps then
-        show where two motions exist beside one another. All components must have the same state.
-    progress: called with the share that is done.
-    """
-    given, rows, state = list(values), [], None
-    for i, value in enumerate(given):
-        component = make(value)
-        component.initialize(0.0)
-        if follow and state is not None:
-            component.x[:] = state
-        rows.append(stroboscopic_points(component, period(component), points, signals, transient=transient))
-        state = component.x.copy()
-        if progress is not None:
-            progress((i + 1) / len(given))
-    return Bifurcation(np.array(given), tuple(signals), np.array(rows))

@@ -1,11 +1,12 @@
-"""Stroboscopic points and bifurcation diagrams of the logistic map, whose periods are known."""
+"""Stroboscopic points of the logistic map, whose periods are known."""
 
 import numpy as np
 import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import output, parameter
-from cosimo.orchestrator.harness.analysis.sections import bifurcation, distinct, stroboscopic_points
+from cosimo.orchestrator.harness.analysis.sections import distinct, stroboscopic_points
+from cosimo.tests.support import initialized
 
 
 class Logistic(Component):
@@ -28,17 +29,16 @@ class Logistic(Component):
         self.y[0] = self.x[0]
 
 
-def diagram(values, **options):
-    return bifurcation(lambda r: Logistic(parameters={"r": r}), values, lambda _: 1.0, ("level",), **options)
+def points_of(growth: float, period: float, points: int, transient: int) -> np.ndarray:
+    return stroboscopic_points(initialized(Logistic(parameters={"r": growth})), period, points, ("level",), transient=transient)
 
 
 def test_periods_of_the_logistic_map():
-    found = diagram([2.9, 3.2, 3.5, 3.83, 3.9], points=120, transient=2000)
-    assert found.points.shape == (5, 120, 1)
-    assert [distinct(p, 1e-8) for p in found.points] == [1, 2, 4, 3, 120]
-    assert found.points[0, 0, 0] == pytest.approx(1.0 - 1.0 / 2.9, rel=1e-12)  # the fixed point
+    found = [points_of(r, 1.0, 120, 2000) for r in (2.9, 3.2, 3.5, 3.83, 3.9)]
+    assert [distinct(p, 1e-8) for p in found] == [1, 2, 4, 3, 120]
+    assert found[0][0, 0] == pytest.approx(1.0 - 1.0 / 2.9, rel=1e-12)  # the fixed point
     pair = (4.2 + np.array([-1.0, 1.0]) * np.sqrt(4.2 * 0.2)) / 6.4  # (r + 1 ± sqrt((r + 1)(r - 3))) / (2 r)
-    np.testing.assert_allclose(np.unique(found.points[1].round(12)), pair, rtol=1e-11)
+    np.testing.assert_allclose(np.unique(found[1].round(12)), pair, rtol=1e-11)
 
 
 def test_looked_at_twice_as_seldom_a_period_of_two_is_one_place():
@@ -47,17 +47,3 @@ def test_looked_at_twice_as_seldom_a_period_of_two_is_one_place():
     points = stroboscopic_points(made, 2.0, 20, ("level",), transient=500)
     assert distinct(points, 1e-8) == 1
     assert made.t == 2.0 * 520
-
-
-def test_a_sweep_may_follow_its_motion():
-    own = diagram([3.2, 3.3], points=5, transient=0)
-    followed = diagram([3.2, 3.3], points=5, transient=0, follow=True)
-    assert own.points[1, 0, 0] == pytest.approx(3.3 * 0.3 * 0.7, rel=1e-14)
-    end = own.points[0, -1, 0]
-    assert followed.points[1, 0, 0] == pytest.approx(3.3 * end * (1.0 - end), rel=1e-14)
-
-
-def test_progress_is_told():
-    told = []
-    diagram([3.0, 3.1, 3.2, 3.3], points=2, transient=0, progress=told.append)
-    assert told == [0.25, 0.5, 0.75, 1.0]

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from .....components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
-from ....harness.analysis.sections import Bifurcation, bifurcation
+from ....harness.analysis.sections import stroboscopic_points
 from ....harness.validation import Evidence, Runs
 
 RPM = 2.0 * math.pi / 60.0
@@ -19,6 +19,7 @@ MICRO = 1e-6
 SPEEDS = tuple(range(500, 6501, 250))  # rpm
 GAPS = np.linspace(0.0, 30e-6, 61)  # m
 PERIODS = {1000.0: 200, 3000.0: 500}  # rpm -> passages of a ball in which a disturbance decays below 1e-7
+PASSAGES = 60  # seen, of a ball
 TRANSIENT, SEEN, SAMPLE = 2.0, 1.0, 1e-4  # s; disturbances decay with exp(-5 t)
 END = 0.1  # s
 ABSOLUTE = 1e-6  # default absolute tolerance of SciPy's solvers
@@ -40,9 +41,8 @@ def measure(runs: Runs) -> Evidence:
     for axis, name in enumerate(("along", "across")):
         drawn[name] = {f"{gap} µm": rows[:, axis] / MICRO for gap, rows in swept.items()}
     for rpm in PERIODS:
-        sweep = diagram(rpm)
-        passed = np.repeat(sweep.values / MICRO, sweep.points.shape[1])
-        drawn[f"{rpm:g}"] = {f"{rpm:g} rpm": (passed, sweep.points.ravel() / MICRO)}
+        points = [passages(gap, rpm) / MICRO for gap in GAPS]
+        drawn[f"{rpm:g}"] = {f"{rpm:g} rpm": (np.repeat(GAPS / MICRO, PASSAGES), np.concatenate(points))}
     return Evidence(_measured(swept), data={**drawn, **_trap()})
 
 
@@ -91,9 +91,10 @@ def _measured(swept: dict[int, np.ndarray]) -> dict[str, float]:
     return measured | {f"{gap}.y.1000": peak_to_peak(gap * MICRO, 1000.0)[1] / MICRO for gap in (5, 15)}
 
 
-def diagram(rpm: float) -> Bifurcation:
-    """Motion across the load, seen once for every ball that passes, over the clearance."""
-    return bifurcation(lambda gap: bearing(gap, rpm), GAPS, ball_passage, ("displacement_y",), points=60, transient=PERIODS[rpm])
+def passages(clearance: float, rpm: float) -> np.ndarray:
+    """Position across the load, (PASSAGES,) m, once for every ball that passes; clearance: radial, m."""
+    model = bearing(clearance, rpm)
+    return stroboscopic_points(model, ball_passage(model), PASSAGES, ("displacement_y",), transient=PERIODS[rpm])[:, 0]
 
 
 def _trap() -> dict[str, Any]:
