@@ -144,7 +144,9 @@ class Component:
     by_midpoint_rule: bool = False  # it integrates so, with a parameter `substep`: modes take back what the rule does to them
     ports: ClassVar[Declared] = {}  # signals that go to one partner together
     port_members: ClassVar[Mapping[str, str]] = {}  # names of signals that are others within a port
-    sums: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # an output -> the outputs that are its parts, each an incomplete answer
+    output_sums: ClassVar[
+        Mapping[str, tuple[str, ...]]
+    ] = {}  # an output -> the outputs that are its parts, each an incomplete answer
     former: ClassVar[Mapping[str, str]] = {}  # names that earlier versions had, and what to do
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}

@@ -88,7 +88,7 @@ class Pantograph(OdeComponent):
     )
     ports = {"contact": ("contact_position", "contact_force", "wire_height", "wire_compliance")}
     port_members = {"wire_compliance": "contact_compliance"}  # as the wire calls it
-    sums = {
+    output_sums = {
         "second_wire.total_force": ("contact_force", "second_wire.contact_force"),
         "two_strips.total_force": ("contact_force", "two_strips.contact_force"),
     }

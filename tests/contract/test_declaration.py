@@ -66,7 +66,7 @@ def test_feedthrough_names_inputs(component):
 @pytest.mark.parametrize("component", CATALOGUE)
 def test_sums_are_outputs_in_the_unit_of_their_parts(component):
     cls = component_class(component)
-    for name, parts in cls.sums.items():
+    for name, parts in cls.output_sums.items():
         assert {cls.variables[n].causality for n in (name, *parts)} == {Causality.OUTPUT}
         assert {cls.variables[n].unit for n in parts} == {cls.variables[name].unit}
         assert len(parts) > 1

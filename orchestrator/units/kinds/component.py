@@ -77,7 +77,7 @@ class ComponentKind(UnitKind):
             set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
             ports=cls.ports,
             port_members=cls.port_members,
-            sums={n: parts for n, parts in cls.sums.items() if n in component.outputs},
+            sums={n: parts for n, parts in cls.output_sums.items() if n in component.outputs},
             is_discontinuous=getattr(component, "is_discontinuous", False),
             remarks=tuple(component.doubts(settings.parameters)),
         )

@@ -37,7 +37,9 @@ class Run:
 
     def __init__(self, time, transient=0.0, **signals):
         self.time, self.signals = time, {f"m.{name}": values for name, values in signals.items()}
-        self.scene = SimpleNamespace(analysis=SimpleNamespace(transient=transient), counts_from=transient)
+        self.scene = SimpleNamespace(
+            analysis=SimpleNamespace(transient=transient), counts_from=transient, coupling=SimpleNamespace(interfaces={})
+        )
 
     def __getitem__(self, name):
         return self.signals[name]
