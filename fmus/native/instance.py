@@ -15,7 +15,6 @@ from ...components.core.block import ENTRIES
 from ...components.core.contract import KernelComponent, filled
 from ...components.core.errors import StepFailed, refusal_text
 from ...components.core.kernels import REASONS
-from ...components.core.variables import Causality
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def _refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]
             if variable is None:
                 array, _, index = name.partition("[")
                 cells.append(block.cell("s", array) + int(index.rstrip("]") or 0))
-            elif variable.causality is Causality.INPUT:
+            elif name in component.inputs:
                 cells.append(block.cell("s", "u") + component.inputs.index(name))
             elif name in component.parameters:
                 cells.append(component.cell_of(name))
