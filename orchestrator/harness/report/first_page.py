@@ -14,6 +14,7 @@ from ...scene.names import declared
 from ..charts.blocks import Block, Cells, Facts, Signatures
 from ..charts.style import number
 from ..preferred_units import preferred, written
+from .used import in_use
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -128,7 +129,9 @@ def _given(result: Result, patterns: tuple[str, ...]) -> Iterator[tuple[str, str
     for unit, record in result.info.units.items():
         settings = result.scene.units.get(unit)
         given = settings.parameters if settings is not None else {}
-        for name, value in (record.parameters or given).items():
+        values = record.parameters or given
+        for name in in_use(result.scene, unit, values):
+            value = values[name]
             wanted = name in given or _rank(name, patterns) < len(patterns)
             if wanted and not name.endswith(NUMERICAL) and not isinstance(value, bool) and not _FURTHER.search(name):
                 yield unit, name, value

@@ -19,6 +19,7 @@ from ..charts.chart import Grid
 from ..charts.signals import axis_of
 from ..charts.style import CYCLE, axis, layout, number
 from ..preferred_units import preferred
+from .used import in_use
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -234,13 +235,14 @@ def _units(result: Result, written: Mapping[str, Any]) -> list[Facts]:
         except BadInput:  # of a scene that is read back without its files
             known = {}
         arrays: dict[str, list[float | str]] = {}
-        for name, value in record.get("parameters", {}).items():
-            arrays.setdefault(_ELEMENT.sub("[…]", name), []).append(value)
+        values = record.get("parameters", {})
+        for name in in_use(result.scene, unit, values):
+            arrays.setdefault(_ELEMENT.sub("[…]", name), []).append(values[name])
         of_unit = {k: v for k, v in record.items() if k != "parameters"}
         rows = _in_words("units", flattened(of_unit))
-        for name, values in arrays.items():
+        for name, numbers in arrays.items():
             variable = known.get(name) or known.get(name.removesuffix("[…]")) or known.get(name.replace("…", "1"))
-            rows.append((name, _measured(values, getattr(variable, "unit", "1") or "1", name)))
+            rows.append((name, _measured(numbers, getattr(variable, "unit", "1") or "1", name)))
         alike.setdefault(tuple(rows), []).append(unit)
     facts = []
     for listed, units in alike.items():

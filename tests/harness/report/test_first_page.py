@@ -10,6 +10,7 @@ from cosimo import BadInput, delivered, load_scene, run
 from cosimo.components.core.measure import conversion, number_in
 from cosimo.orchestrator.harness.preferred_units import PREFERRED, preferred, written
 from cosimo.orchestrator.harness.report import first_page, for_run
+from cosimo.orchestrator.harness.report.used import in_use
 from cosimo.orchestrator.harness.summary import SummaryRow, with_error
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.systems import SYSTEMS
@@ -157,3 +158,12 @@ def test_the_sheet_is_the_one_that_is_asked_for(result, tmp_path, paper):
     assert re.search(r"@page \{ size: (\w+); \}", html)[1] == paper
     with pytest.raises(BadInput, match="--paper"), delivered(paper="foolscap"):
         pass
+
+
+def test_numbers_in_whose_place_a_table_stands_are_in_no_report():
+    """A line's table has the tensions and the spans: those of the component's parameters are of another line."""
+    names = ("span_length", "contact_wire_tension", "messenger_tension", "contact_wire_mass", "line_table.table", "element")
+    table = load_scene("unequal-spans")
+    assert in_use(table, "catenary", names) == ["line_table.table", "element"]
+    assert in_use(load_scene("en50318-2002"), "catenary", names[:4]) == list(names[:4])
+    assert in_use(table, "nobody", names) == list(names)
