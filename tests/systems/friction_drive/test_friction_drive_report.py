@@ -12,7 +12,7 @@ from cosimo.tests.systems.friction_drive.drive_runs import AT, RATE, STEP, TURN,
 
 pytestmark = pytest.mark.full
 
-UNIT = re.compile(r", (mm|mm/s|µm|degrees|s|rad/s|V|A|N\.m|N|1|W)$")
+UNIT = re.compile(r", (mm|mm/s|µm|degrees|s|rpm|V|A|N\.m|N|1|W)$")
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit():
