@@ -22,7 +22,7 @@ INDEXED_SOURCES = 4096  # in the file of a `SourceIndex`; the oldest go
 SETTLED = 2_000_000_000  # ns after a change from which on another one has another time
 
 Imports = tuple[tuple[int, str, tuple[str, ...]], ...]
-Source = tuple[str, list[str], list[str]]  # digest, files that are imported by their place, modules by their full names
+Imported = dict[tuple[str, str], tuple[list[str], list[str]]]  # by path and digest: files imported by place, modules by full name
 
 
 @lru_cache(maxsize=1024)
@@ -48,12 +48,12 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
 
 
 def closure(
-    file: Path, absolute: Callable[[str], Path | None] = lambda name: None, seen: dict[str, Source] | None = None
+    file: Path, absolute: Callable[[str], Path | None] = lambda name: None, seen: Imported | None = None
 ) -> dict[Path, str]:
     """The file and all that it imports: digests of the contents by path.
 
     `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it. `seen` is
-    what former calls have found of files; given, these are not looked at again.
+    what former calls have found of contents; given, the imports of these are not looked for again.
     """
     digests: dict[str, str] = {}
     pending, index, seen = [str(file)], sources(), {} if seen is None else seen
@@ -61,11 +61,11 @@ def closure(
         path = pending.pop()
         if path in digests:
             continue
-        if path not in seen:
-            digest, statements = index.read(path)
+        digests[path], statements = index.read(path)
+        if (known := (path, digests[path])) not in seen:
             names = [n for level, module, some in statements if not level for n in _full(module, some)]
-            seen[path] = digest, _beside(path, statements), names
-        digests[path], beside, names = seen[path]
+            seen[known] = _beside(path, statements), names
+        beside, names = seen[known]
         pending += [*beside, *(str(there) for name in names if (there := absolute(name)) is not None)]
     index.save()
     return {Path(path): digest for path, digest in digests.items()}

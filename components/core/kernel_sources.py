@@ -11,7 +11,7 @@ from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
-from .closure import Source, closure
+from .closure import Imported, closure
 from .folders import cache_root
 from .store import digest_of, private, temporary_root
 
@@ -19,7 +19,7 @@ _PACKAGE = __name__.partition(".")[0]
 BUNDLE = re.compile(r"cosimo|bundle_[0-9a-f]{16}")  # packages with components of cosimo: its own, and that of an FMU
 SHARED = "components"  # what stands for their names
 _LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
-_SEEN: dict[str, Source] = {}  # of sources when this process first asked for them, which is what it has loaded of them
+_SEEN: Imported = {}  # of the sources that this process asked for
 _INSTALLED = re.compile(r"[/\\](site|dist)-packages[/\\]")  # of the user, of the system, of the environment below this one
 
 

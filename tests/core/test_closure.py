@@ -118,3 +118,18 @@ def test_a_file_that_was_changed_just_now_is_read_again(tmp_path):
     index.read(str(path))
     index.save()
     assert SourceIndex(file)._files == {}
+
+
+def test_what_a_process_has_seen_of_a_source_is_of_its_content(tmp_path):
+    """A helper that is edited and loaded anew has other imports and another digest for all that call it from then on."""
+    caller, helper, further = (tmp_path / f"{name}.py" for name in ("caller", "helper", "further"))
+    caller.write_text("from .helper import one\n")
+    helper.write_text("one = 1\n")
+    further.write_text("two = 2\n")
+    seen = {}
+    before = closure.closure(caller, seen=seen)
+    assert before.keys() == {caller, helper}
+    helper.write_text("from .further import two as one\n")
+    after = closure.closure(caller, seen=seen)
+    assert after.keys() == {caller, helper, further}
+    assert after[helper] != before[helper]
