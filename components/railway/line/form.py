@@ -279,7 +279,10 @@ def hang(plan, filled, net):
     for k in range(plan.droppers.shape[0]):
         nodal[Z, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = filled.dropper[HEIGHT, k]
     hang_on_droppers(1, plan, filled, net)
-    if plan.lanes.min() < 0:
+    compound = False
+    for lane in range(W):
+        compound = compound or plan.lanes[lane] < 0
+    if compound:
         hang_on_droppers(-1, plan, filled, net)
     hang_wires(0, plan, net)
     upward = nodal[UNKNOWN]
