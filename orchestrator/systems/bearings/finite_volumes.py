@@ -12,7 +12,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import spsolve
 
 from ....components.bearings.radiation import STEFAN_BOLTZMANN
@@ -174,26 +175,46 @@ class Bodies:
 
 
 def _conjugate_gradients(matrix, right: np.ndarray, diagonal: np.ndarray, guess: np.ndarray) -> np.ndarray:
-    """Solve a symmetric system, preconditioned with its diagonal.
+    """Solve a symmetric system: every second cell eliminated, the others by conjugate gradients, scaled with their diagonal.
 
+    Half of the iterations with half of the unknowns: cells of one colour of a chessboard have no links among themselves. Their own
+    equations hold exactly, so what is left in the others is the residual of the whole system.
     SciPy's own takes its scalar products from BLAS, whose threads made it ten times slower on two busy cores.
     """
-    x = guess.copy()
-    left = right - matrix @ x
+    out, kept = (np.flatnonzero(of) for of in _chessboard(matrix))
+    rows = matrix[kept]
+    ahead, back = matrix[out][:, kept], (rows[:, out] @ diags_array(1.0 / diagonal[out])).tocsr()
+    own = rows[:, kept]
+    scale = diagonal[kept] - np.asarray(back.multiply(rows[:, out]).sum(axis=1)).ravel()
+    x = guess[kept]
+    left = right[kept] - back @ right[out] - (own @ x - back @ (ahead @ x))
     enough = RESIDUAL**2 * np.sum(right * right)
     direction, before = np.zeros_like(x), 1.0
     for _ in range(MOST_ITERATIONS):
-        scaled = left / diagonal
+        scaled = left / scale
         now = np.sum(left * scaled)
         direction = scaled + (now / before) * direction
-        ahead = matrix @ direction
-        share = now / np.sum(direction * ahead)
+        change = own @ direction - back @ (ahead @ direction)
+        share = now / np.sum(direction * change)
         x += share * direction
-        left -= share * ahead
+        left -= share * change
         before = now
         if np.sum(left * left) <= enough:
-            return x
+            whole = np.empty_like(guess)
+            whole[kept], whole[out] = x, (right[out] - ahead @ x) / diagonal[out]
+            return whole
     raise RuntimeError(f"conjugate gradients left a residual above {RESIDUAL:g} after {MOST_ITERATIONS} iterations")
+
+
+def _chessboard(matrix) -> tuple[np.ndarray, np.ndarray]:
+    """Masks of cells without links among themselves, (size,), and of all others.
+
+    Cells at an odd number of steps from the first one. A node of air joins cells at like distances: these stay.
+    """
+    steps = dijkstra(abs(matrix), indices=0, unweighted=True)
+    odd = np.where(np.isfinite(steps), steps, 0.0) % 2.0 == 1.0
+    out = odd & (abs(matrix) @ odd == abs(matrix.diagonal()) * odd)
+    return out, ~out
 
 
 def _along(axis: int, part: slice) -> tuple[slice, ...]:

@@ -8,6 +8,7 @@ import pytest
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.constriction import ball_spreading, constriction, finite_ring
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.systems.bearings import finite_volumes
 from cosimo.orchestrator.systems.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
 from cosimo.orchestrator.systems.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 from cosimo.tests.slopes import slope
@@ -44,6 +45,26 @@ def test_heat_along_one_coordinate_is_exact():
         heat = through(grid, axis)
         assert heat[0] == pytest.approx(conductance, rel=ROUND)
         assert heat[1] == pytest.approx(-conductance, rel=ROUND)
+
+
+def test_conjugate_gradients_give_the_direct_solution(monkeypatch):
+    """Of a closed ring of an odd number of cells and a node of air, both of which no chessboard covers, and of a body on its own."""
+    bodies = Bodies()
+    ring = bodies.add(
+        cylindrical(np.linspace(0.03, 0.04, 5), np.linspace(0.0, 2.0 * math.pi, 8), np.linspace(0.0, 0.01, 4), 46.0), closed=1
+    )
+    apart = bodies.add(cylindrical(np.linspace(0.0, 0.01, 4), np.linspace(0.0, 1.0, 4), np.linspace(0.0, 0.01, 4), 1.0))
+    air = bodies.node()
+    bodies.link(ring[-1], air, np.linspace(0.001, 0.01, 21).reshape(7, 3))
+    bodies.hold(ring[0, :2], 3.0, 300.0)
+    bodies.hold(air, 0.1, 280.0)
+    bodies.hold(apart[-1], 1.0, 290.0)
+    direct = bodies.solve()
+    monkeypatch.setattr(finite_volumes, "DIRECT", 0)
+    iterated = bodies.solve()
+    assert np.ptp(direct[0]) > 5.0
+    for one, other in zip(iterated, direct, strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
 
 
 def test_areas_add_up():
