@@ -22,7 +22,7 @@ import numpy as np
 
 from .errors import BadInput, nearest
 from .files import read_bytes
-from .measure import OTHERWISE, conversion_of, is_quantity, number_in, parse, plain
+from .measure import OTHERWISE, bare_number, conversion_of, is_quantity, number_in, parse, plain
 
 EMPTY = ("", "nan", "n/a", "na", "-")  # cells without a number, as loggers write them
 COMMAS = "Decimal commas need semicolons between the cells."
@@ -135,7 +135,7 @@ class Columns:
         factor, offset = conversion_of(written, unit, where, f"unit {written!r}") if written and unit else (1.0, 0.0)
         self._refuse_thousands(k, cells)
         with suppress(ValueError):  # nearly always
-            values = np.array([float(cell) for cell in cells])
+            values = np.array([bare_number(cell) for cell in cells])
             if not np.isinf(values).any():
                 return factor * values + offset
         signs: dict[str, int] = {}  # decimal sign -> first line with it
@@ -185,7 +185,7 @@ class Columns:
 
     def _number(self, cell: str, unit: str, where: str) -> float:
         try:
-            value = float(cell.replace(",", ".") if self.separator != "," else cell)
+            value = bare_number(cell.replace(",", ".") if self.separator != "," else cell)
         except ValueError:
             remedy = COMMAS if "," in cell and self.separator == "," else ""
             raise BadInput(
@@ -220,7 +220,7 @@ def _is_unit(cell: str) -> bool:
 
 def _is_number(cell: str) -> bool:
     try:
-        float(cell.replace(",", "."))
+        bare_number(cell.replace(",", "."))
     except ValueError:
         return False
     return True

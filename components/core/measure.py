@@ -100,7 +100,7 @@ OTHERWISE = {
     "rad": "deg",
 }  # a unit in which a number of the field is as often written
 ACCELERATION = _unit(m=1, s=-2).exponents
-_FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
+_FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1(?![-\d]))(-?\d+)?", re.ASCII)  # a number such as 10 is no power of 1
 
 
 def parse(text: str, where: str = "unit") -> Unit:
@@ -121,7 +121,8 @@ def parse(text: str, where: str = "unit") -> Unit:
         exponents = [e + power * s for e, s in zip(exponents, symbol.exponents, strict=True)]
         position = match.end()
     if position != len(text) or not text:
-        raise BadInput(where, f"unit {text!r}", 'factors joined by "." and "/", such as "N.s/m" or "kg.m2"')
+        remedy = "A unit has no number: multiply the values by it." if re.search(r"(^|[./])\d\d", text) else ""
+        raise BadInput(where, f"unit {text!r}", 'factors joined by "." and "/", such as "N.s/m" or "kg.m2"', remedy)
     return Unit(factor, 0.0, tuple(exponents))
 
 
@@ -152,7 +153,7 @@ def conversion_of(
         wanted = f"a unit of the dimension of {unit}" if unit != "1" else "a number without unit"
         remedy = ""
         if error.expected.startswith("factors"):  # it is written in no way that units are
-            wanted = error.expected
+            wanted, remedy = error.expected, error.remedy
         elif error.actual == f"unit {written!r}":
             exponents = (defined or parse(unit, where)).exponents
             alike = [symbol for symbol, known in SYMBOLS.items() if known.exponents == exponents and unit != "1"]
@@ -160,7 +161,7 @@ def conversion_of(
         raise BadInput(where, shown, wanted, remedy) from None
 
 
-_WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d.,+*/-].*?)\s*")
+_WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d_.,+*/-].*?)\s*")
 _SIGNS = {"°C": "degC", "°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "·": ".", "*": ".", "^": "", "Ω": "Ohm", " ": "."}
 
 
@@ -177,9 +178,23 @@ def squared(unit: str) -> str:
     return _FACTOR.sub(lambda f: f[0] if f[2] == "1" else f"{f[1]}{f[2]}{2 * int(f[3] or 1)}", unit)
 
 
+def bare_number(text: str) -> float:
+    """The number of a text as a person writes it; raises `ValueError`, also for "1_1", which Python takes for 11."""
+    if "_" in text:
+        raise ValueError(text)
+    return float(text)
+
+
 def is_quantity(text: object) -> bool:
     """Whether it is a text that begins with a number and goes on, as "250 km/h" does."""
     return isinstance(text, str) and _WRITTEN.fullmatch(text) is not None
+
+
+def number_before(text: str) -> float:
+    """The number of a text such as "250 km/h", 250, whatever its unit."""
+    match = _WRITTEN.fullmatch(text)
+    assert match is not None
+    return float(match[1])
 
 
 def number_in(text: str, unit: str, where: str, defined: Unit | None = None, relative: bool = False) -> float:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from typer import Argument, BadParameter, Option
 
 from ...components.core.errors import BadInput, decimal_point
-from ...components.core.measure import OTHERWISE, is_quantity, number_in
+from ...components.core.measure import OTHERWISE, bare_number, is_quantity, number_in
 from ..delivery import PAPERS, PLACES, delivered
 from .completion import parameters, presets, scenes
 
@@ -221,7 +221,7 @@ def number_given(text: str, unit: str, option: str, *, bare: bool = True) -> flo
     if is_quantity(text):
         return number_in(text, unit, option)
     try:
-        value = float(text)
+        value = bare_number(text)
     except ValueError:
         raise BadInput(option, repr(text), f"a number in {unit}, or with its unit", decimal_point(text)) from None
     if not bare and unit in OTHERWISE:
@@ -236,7 +236,7 @@ def share(option: str, text: str) -> float:
     """
     number, percent, rest = text.strip().partition("%")
     try:
-        value = float(number)
+        value = bare_number(number)
     except ValueError:
         value = nan
     if not percent and 1.0 <= value <= 100.0:
@@ -254,9 +254,9 @@ def share(option: str, text: str) -> float:
 
 def value_of(text: str) -> Any:
     """A value given as text: a number, true or false, an array as [1, 2, 3], or the text itself."""
-    for read in (int, float):
+    for read in (int, bare_number):
         try:
-            return read(text)
+            return read(text.replace("_", "?"))
         except ValueError:
             pass
     if text.startswith("["):
@@ -321,4 +321,4 @@ def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
 
 def _number(text: str) -> float | str:
     """A number, or the text of one with its unit; raises `ValueError`."""
-    return text if is_quantity(text) else float(text)
+    return text if is_quantity(text) else bare_number(text)

@@ -26,6 +26,8 @@ from .verdict import verdict
 
 NOISE_ROUNDS, NOISE_AGREES = 8, 0.02  # of the search for the noise; relative
 PASSES, STANDS = 8, 0.1  # of the filter, for constants; standard deviations by which these move from pass to pass
+MOST_STEPS = 1e8  # of a filter: hours, and more instants than memory holds
+FAR = 100.0  # times the scene's own duration behind which a unit of time may be mistaken
 LARGE = 0.5  # standard deviations that a numerical error may have
 WORSE = 2.0  # log units that the error of the steps may take from the likelihood
 HOW = {EXTENDED: "extended Kalman filter", UNSCENTED: "unscented Kalman filter", ENSEMBLE: "ensemble of {}"}
@@ -52,6 +54,9 @@ def estimate(
     measured = measurements_of(wanted, scene, folder, data or {}, where)
     with ExitStack() as stack:
         course = Record(scene, wanted, measured, stack, where, threads=threads)
+        span, own = measured.time[-1] - scene.start_time, scene.stop_time - scene.start_time
+        if span > FAR * own:
+            say(f"measurements end after {span:g} s, the scene after {own:g} s: are their times in ms? Then write 'time [ms]'")
         for text in course.observable.texts:
             say(text)
         answer = course.answer()
@@ -79,6 +84,14 @@ class Record:
         step, first = scene.master.step, scene.start_time
         if not measured.time[-1] > first:
             raise BadInput(f"{where}: measured", f"times up to {measured.time[-1]:g} s", f"some behind the start, {first:g} s")
+        if (steps := (measured.time[-1] - first) / step) > MOST_STEPS:
+            reach = f"times from {measured.time[0]:.10g} to {measured.time[-1]:.10g} s, {steps:.2g} macro steps"
+            raise BadInput(
+                f"{where}: measured",
+                reach,
+                f"times near the start of the scene, {first:g} s",
+                "Give shift, or the unit of the times.",
+            )
         scene = scene.with_changes({"stop_time": first + step * (np.ceil((measured.time[-1] - first) / step) + 2.0)})
         self.filtered = filtered = FilteredScene(scene, plan, measured, stack, where, int((measured.time[-1] - first) / step))
         self.measure(measured)

@@ -92,6 +92,9 @@ def _given(
     time, values = (np.asarray(column, dtype=float) for column in pair)
     if time.shape != values.shape or time.ndim != 1 or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
         raise BadInput(f"{where}: data", f"shapes {time.shape} and {values.shape}", "finite rising times and as many values")
+    if np.isinf(values).any():
+        k = int(np.argmax(np.isinf(values)))
+        raise BadInput(f"{where}: data", f"{values[k]:g} at {time[k]:g} s", "finite numbers, or NaN for a gap")
     kept = ~np.isnan(values)
     if kept.sum() < FEWEST:
         raise BadInput(f"{where}: {one.signal}", f"{kept.sum()} numbers", f"{FEWEST} or more")

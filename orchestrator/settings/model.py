@@ -98,6 +98,6 @@ def ranged(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
         else:
             first, last, points = (value.get(k) for k in RANGE)
             countable = isinstance(points, int) and 2 <= points <= MOST_POINTS
-            if len(value) != 3 or not (_finite(first) and _finite(last) and countable):
+            if len(value) != 3 or not (_finite(first) and _finite(last) and first != last and countable):
                 raise BadInput(name, repr(dict(value)), f"{{ from = first value, to = last value, points = 2 to {MOST_POINTS} }}")
             yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]

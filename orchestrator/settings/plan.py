@@ -179,7 +179,10 @@ class PlanSettings(Model):
         lengths = {name: len(axis.values) for name, axis in self.vary.items() if isinstance(axis, Choices)}
         if self.method == "list" and len(set(lengths.values())) > 1:
             raise BadInput("vary", ", ".join(f"{n}: {k} values" for n, k in lengths.items()), "lists of one length")
-        for first, second, r in self.correlation:
+        pairs = [frozenset(pair[:2]) for pair in self.correlation]
+        for k, (first, second, r) in enumerate(self.correlation):
+            if pairs[k] in pairs[:k]:
+                raise BadInput("correlation", f"{first}, {second} twice", "each pair of names once")
             for name in (first, second):
                 if not isinstance(self.vary.get(name), Distribution):
                     raise BadInput(

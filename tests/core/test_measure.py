@@ -46,7 +46,9 @@ def test_different_quantities_are_refused(source, target):
         conversion(source, target)
 
 
-@pytest.mark.parametrize("text", ["", "newton", "N m", "/s", "N//m", "N.", "N^2"])
+@pytest.mark.parametrize(
+    "text", ["", "newton", "N m", "/s", "N//m", "N.", "N^2", "1000.rpm", "10.kN", "N/10", "10", "1/100", "103.N"]
+)
 def test_bad_units_are_refused(text):
     with pytest.raises(BadInput):
         parse(text)

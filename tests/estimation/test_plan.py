@@ -204,5 +204,9 @@ def test_scenes_without_derivatives_and_measurements_before_the_start_are_refuse
     faulty = TRUTH.scene(faults=[{"signal": SIGNAL, "kind": "override", "value": 0.0, "begin": 1.0}])
     with pytest.raises(BadInput, match="faults"):
         cosimo.estimate(faulty, TRUTH.plan(), data={SIGNAL: (TRUTH.times, y)})
-    with pytest.raises(BadInput, match="behind the start"):
-        cosimo.estimate(TRUTH.scene(), TRUTH.plan(), data={SIGNAL: (TRUTH.times - 100.0, y)})
+    for shift, words in ((-100.0, "behind the start"), (1.7e9, "Give shift, or the unit of the times")):  # a clock since 1970
+        with pytest.raises(BadInput, match=words):
+            cosimo.estimate(TRUTH.scene(), TRUTH.plan(), data={SIGNAL: (TRUTH.times + shift, y)})
+    y[3] = np.inf
+    with pytest.raises(BadInput, match=r"inf at .* s, expected finite numbers, or NaN for a gap"):
+        cosimo.estimate(TRUTH.scene(), TRUTH.plan(), data={SIGNAL: (TRUTH.times, y)})

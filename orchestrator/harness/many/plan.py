@@ -238,10 +238,15 @@ def quantile(d: Distribution, u: np.ndarray) -> np.ndarray:
     if d.shape == "triangular":
         width, rise = d.high - d.low, d.mode - d.low
         return np.where(u * width < rise, d.low + np.sqrt(u * width * rise), d.high - np.sqrt((1.0 - u) * width * (width - rise)))
-    below, above = ndtr((d.low - d.mean) / d.deviation), ndtr((d.high - d.mean) / d.deviation)
-    if not below < above:
+    side = (
+        -1.0 if d.low > d.mean else 1.0
+    )  # above the mean a probability is 1 less what is lost in its rounding: look from the other side
+    ends = sorted(side * (end - d.mean) / d.deviation for end in (d.low, d.high))
+    below, above = ndtr(ends)
+    if not (below < above and above > 1e-300):
         raise BadInput("vary", f"a normal distribution cut off from {d.low:g} to {d.high:g}", "ends nearer to its mean")
-    return np.clip(d.mean + d.deviation * ndtri(below + u * (above - below)), d.low, d.high)
+    share = u if side > 0.0 else 1.0 - u
+    return np.clip(d.mean + side * d.deviation * ndtri(below + share * (above - below)), d.low, d.high)
 
 
 def matrix_of(names: Sequence[str], pairs: Sequence[tuple[str, str, float]]) -> np.ndarray:

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.options import ranges_of
-from cosimo.orchestrator.harness.many.plan import from_columns, plan_of, plan_settings
+from cosimo.orchestrator.harness.many.plan import from_columns, plan_of, plan_settings, quantile
+from cosimo.orchestrator.settings.plan import Distribution
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code
 from cosimo.tests.harness.test_sweep import MASS
+from scipy.stats import truncnorm
 
 SCENE = read_scene(MASS)
 UNIFORM = {"distribution": "uniform", "low": 100.0, "high": 900.0}
@@ -84,6 +86,14 @@ def test_a_normal_distribution_is_cut_off_where_the_plan_says():
     assert x.mean() == pytest.approx(2.0 + 0.1 * np.sqrt(2.0 / np.pi), rel=1e-3)
 
 
+@pytest.mark.parametrize(("low", "high"), [(8.0, 9.0), (8.0, np.inf), (-9.0, -8.0), (30.0, 31.0)])
+def test_ends_far_from_the_mean_keep_the_shape_of_the_distribution(low, high):
+    """Against `scipy.stats.truncnorm`: quantiles 8 deviations above the mean were multiples of the spacing of 1, or infinite."""
+    u = np.linspace(0.01, 0.99, 7)
+    far = Distribution("normal", low, high)
+    assert quantile(far, u) == pytest.approx(truncnorm.ppf(u, low, high), rel=1e-13)
+
+
 def test_values_from_a_table_with_and_without_units(tmp_path):
     (tmp_path / "points.csv").write_text('"m.k, N/m",m.m\n100,1\n400.5,2.5\n')
     (tmp_path / "plan.toml").write_text('method = "list"\ntable = "points.csv"\n')
@@ -100,20 +110,24 @@ def test_values_from_a_table_with_and_without_units(tmp_path):
 
 
 def test_values_with_their_units():
-    """In lists, ranges and distributions, full names and nested tables; a number alone stays SI, another dimension is refused."""
-    vary = {"m": {"k": ["0.5 kN/m", 400.0]}, "m.m": {"from": "1 kg", "to": "3000 g", "points": 3}, "stop_time": ["1500 ms"]}
+    """In lists, ranges and distributions, full names and nested tables; 0, or a number beside SI units, needs no unit. A number alone
+    beside others with units, and another dimension, are refused."""
+    vary = {"m": {"k": ["0.5 kN/m", 0.0]}, "m.m": {"from": "1 kg", "to": "3000 g", "points": 3}, "stop_time": ["1500 ms"]}
     plan = plan_settings({"vary": vary}, scene=SCENE).vary
     assert {name: axis.values for name, axis in plan.items()} == {
-        "m.k": (500.0, 400.0),
+        "m.k": (500.0, 0.0),
         "m.m": (1.0, 2.0, 3.0),
         "stop_time": (1.5,),
     }
-    far = {"distribution": "normal", "mean": "0.5 kN/m", "deviation": 20.0}
+    far = {"distribution": "normal", "mean": "500 N/m", "deviation": 20.0}
     axis = plan_settings({"method": "sobol", "points": 4, "vary": {"m.k": far}}, scene=SCENE).vary["m.k"]
     assert (axis.mean, axis.deviation) == (500.0, 20.0)
     for wrong in (["5 kg"], {"from": "1 N/m", "to": "2 m", "points": 3}, far | {"deviation": "1 kg"}):
         with pytest.raises(BadInput, match="dimension of N/m"):
             plan_settings({"vary": {"m.k": wrong}}, scene=SCENE)
+    for mixed in (["0.5 kN/m", 400.0], {"from": 100.0, "to": "2 kN/m", "points": 3}, far | {"deviation": "0.1 kN/m"}):
+        with pytest.raises(BadInput, match="a unit at each number, or at none"):
+            plan_settings({"vary": {"m.k": mixed | {"mean": 500.0} if "mean" in mixed else mixed}}, scene=SCENE)
     swept = read_scene(MASS | {"sweep": {"m": {"k": ["0.5 kN/m"]}}})
     assert swept.sweep == {"m.k": (500.0,)}
 
@@ -185,6 +199,16 @@ def test_effects_presets_units_and_the_master_vary():
         ({"vary": {"m.k": [1.0]}, "keep": {"functions": ["here"]}}, "module:function"),
         ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: got 3\.0, expected a table"),
         ({"vary": {"m.k": [1.0]}, "sed": 3}, "'seed'"),
+        ({"vary": {"m.k": {"from": 1.0, "to": 1.0, "points": 3}}}, "first value"),
+        (
+            {
+                "method": "random",
+                "points": 4,
+                "vary": {"m.k": UNIFORM, "m.m": NORMAL},
+                "correlation": [["m.k", "m.m", 0.5], ["m.m", "m.k", 0.2]],
+            },
+            "m.m, m.k twice",
+        ),
     ],
 )
 def test_bad_plans_are_one_message(settings, named):
