@@ -30,7 +30,7 @@ from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
 from .contacts import GAP, BallContacts
-from .friction import COLDEST, HOTTEST, Friction, OilFriction, SkfFriction
+from .friction import COLDEST, HOTTEST, UPRIGHT, Friction, OilFriction, SkfFriction
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
 from .inertia import BallInertia
@@ -39,6 +39,7 @@ from .loads import StaticLoads, static_loads
 from .motion import EVERYTHING
 from .races import BallDefect, Defect, Waviness, wave_shapes
 from .six_dof import (
+    ADVICE,
     COARSE,
     FEATURES,
     HERTZ,
@@ -48,16 +49,23 @@ from .six_dof import (
     NO_ELLIPSE,
     NO_GROOVE,
     NO_OIL,
+    OTHER_BALLS,
     SAMPLES,
     SPEED,
     THICKENS,
     TIGHT,
     UNSEEN,
+    UPRIGHT_LOAD,
     Constants,
     elastic_energy,
     place,
     present_contacts,
     present_inertia,
+)
+
+ADVISED = (  # of `note_advice`: what the load is, and what is advised
+    ("an axial load", "at most {:.4g} N: 0.5 C_0, or 0.25 C_0 of bores up to 12 mm and of the diameter series 8, 9, 0 and 1"),
+    ("a load", "{:.4g} N or more at this speed and viscosity; with less the balls may slide"),
 )
 
 
@@ -237,6 +245,7 @@ class DeepGrooveBearing(KernelComponent):
         "fe": "outer_conformity",
         "Gr": "diametral_clearance",
         "d": "friction.bore_diameter",
+        "D": "skf_friction.outside_diameter",
         "C": "rating_life.load_rating",
         "C0": "skf_friction.static_rating",
         "Cu": "life_factor.fatigue_load_limit",
@@ -300,6 +309,16 @@ class DeepGrooveBearing(KernelComponent):
             f"{COLDEST:g} to {HOTTEST:g} K, where the viscosity's equation holds",
             "Give the temperature in K",
         ),
+        OTHER_BALLS: Refusal(
+            "skf_friction: a bore of {friction.bore_diameter} m and an outside diameter of {skf_friction.outside_diameter} m",
+            "rings inside and outside of balls of {ball_diameter} m on a circle of {pitch_diameter} m",
+            "Give friction.bore_diameter and skf_friction.outside_diameter of this bearing",
+        ),
+        UPRIGHT_LOAD: Refusal(
+            "an axial load of {message[0]} N with skf_friction.static_rating = {skf_friction.static_rating} N",
+            f"one below {UPRIGHT:.3g} C_0, at which the catalogue's contact angle is 90 degrees",
+            "Give the static rating in N",
+        ),
     } | {
         MISSED + k: Refusal(
             f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it",
@@ -333,22 +352,28 @@ class DeepGrooveBearing(KernelComponent):
             "stiffness": (5, 5),
             "damping": (5, 5),
             "features": (len(FEATURES), 3),
-            "noted": (2, 4),
+            "noted": (4 if "skf_friction" in self.on else 2, 4),
             "message": 1,
             "initializing": 1,
         } | wave_shapes(self.on, n)
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def _initialize(self, t: float) -> int:
-        self._warned = False
+        self._warned = set[int]()
         return super()._initialize(t)
 
     def stepped(self, t: float) -> None:
-        """As of any component; warns once of a passage that the steps see too little of."""
+        """As of any component; warns once of a passage that the steps see too little of, and of each advice that is not kept."""
         super().stepped(t)
+        for row, (what, advised) in enumerate(ADVISED if "skf_friction" in self.on else (), ADVICE):
+            load, limit, when, _ = self.arguments[0].noted[row].tolist()
+            if limit > 0.0 and row not in self._warned:
+                self._warned.add(row)
+                text = f"{self.name}: {what} of {load:.4g} N at t = {when:.4g} s; SKF advises {advised.format(limit)}"
+                warnings.warn(text, stacklevel=2)
         feature, share, enough, when = self.arguments[0].noted[COARSE].tolist()
-        if feature >= 0.0 and not self._warned:
-            self._warned = True
+        if feature >= 0.0 and COARSE not in self._warned:
+            self._warned.add(COARSE)
             warnings.warn(
                 f"{self.name}: a ball passes {self._with_values(FEATURES[int(feature)])} in {share:.2g} macro steps at "
                 f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {enough:.2g} s",
@@ -359,7 +384,7 @@ class DeepGrooveBearing(KernelComponent):
         if MISSED <= status < MISSED + len(FEATURES):  # a run under way
             actual, _, remedy = map(self._with_values, type(self).refusals[status])
             raise StepFailed(self.name, float(self.arguments[0].noted[UNSEEN, 3]), actual, remedy)
-        if status == NO_OIL:
+        if status in (NO_OIL, UPRIGHT_LOAD):
             actual, expected, remedy = map(self._with_values, type(self).refusals[status])
             raise StepFailed(self.name, self.t, f"{actual}, expected {expected}", remedy)
         super()._check(status)

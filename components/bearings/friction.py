@@ -16,8 +16,13 @@ Walther's equation, ASTM D341. The sources round 2000^(2/3) = 158.7 to 160. Form
     phi_ish = 1 / (1 + 1.84e-9 (n dm)^1.28 nu^0.64),  phi_rs = exp(-K_rs nu n (d + D) (K_z / (2 (D - d)))^0.5)
 
 Source: SKF, Rolling bearings, pages 104 and 105, read in a public copy: G, mu_sl, phi_bl, factors of friction; R and S of the series 60, 62
-and 63 read in public code; phi_ish, phi_rs and K_z = 3.1 are from memory. The catalogue's dm is (d + D) / 2; here it is the diameter of
-the balls' circle, of a 6205 1.4 % more, with which the rolling part is 2.8 % more. Seals and the drag of a deep oil bath are left out.
+and 63 read in public code; phi_ish, phi_rs and K_z = 3.1 are from memory. dm is the catalogue's mean diameter, (d + D) / 2, of a 6205
+1.4 % less than the diameter of the balls' circle. Seals and the drag of a deep oil bath are left out. The angle a is 90 degrees at
+F_a = 222 C_0; beyond it, where the sine would fall again, there is no number. What SKF advises is noted, not refused: F_a up to 0.5 C_0,
+0.25 C_0 of bores up to 12 mm and of the diameter series 8, 9, 0 and 1 (www.skf.com, deep groove ball bearings, loads: read), and a load
+of at least, from memory,
+
+    F_rm = k_r (nu n / 1000)^(2/3) (dm / 100)^2                                       kN, with mm²/s, rpm, mm
 """
 
 from __future__ import annotations
@@ -32,6 +37,8 @@ from .motion import EVERYTHING
 LEAST = 2000.0  # nu n, mm²/s rpm, below which M_0 does not fall any more
 AXIAL = 1e-6  # of the radial load, from which on an axial one counts
 CAGE = 3.1  # K_z of deep groove bearings of one row
+UPRIGHT = (90.0 / 24.6) ** (1.0 / 0.24)  # F_a / C_0 with which a is 90 degrees
+SMALL_BORE, SMALL_SHARE = 0.012, 0.25  # m, up to which F_a is to be at most this share of C_0
 COLDEST, HOTTEST = 203.15, 643.15  # K, -70 and 370 degrees Celsius, the range of ASTM D341; from memory
 COLD, HOT = 313.15, 373.15  # K, at which the viscosity is given
 
@@ -78,17 +85,24 @@ class SkfFriction(Effect):
 
     requires = ("oil_friction",)
     replaces = ("oil_friction.lubrication", "oil_friction.load_factor")
+    restores = ("friction.bore_diameter",)
 
     rolling = parameter(3.9e-7, "1", "R_1; 4.1e-7 of the series 60, 3.9e-7 of 62, 3.7e-7 of 63", low=0.0, nominal=1e-7)
     rolling_thrust = parameter(1.7, "1", "R_2", low=0.0)
     sliding = parameter(3.23e-3, "1", "S_1; 3.73e-3 of the series 60, 3.23e-3 of 62, 2.84e-3 of 63", low=0.0, nominal=1e-3)
     sliding_thrust = parameter(36.5, "1", "S_2; 14.6 of the series 60, 36.5 of 62, 92.8 of 63", low=0.0, nominal=10.0)
     static_rating = parameter(15.3e3, "N", "basic static load rating C_0, from the bearing's data sheet", low=1.0, nominal=1e4)
-    section_height = parameter(18.5e-3, "m", "half of outside diameter less bore, from the data sheet", low=1e-6, nominal=0.01)
+    outside_diameter = parameter(0.072, "m", "D, from the data sheet; the bore is friction.bore_diameter", low=1e-6, nominal=0.1)
     boundary = parameter(0.15, "1", "mu_bl, sliding without a film", low=0.0)
     full_film = parameter(0.05, "1", "mu_EHL, sliding on a full film: 0.05 mineral oil, 0.04 synthetic", low=0.0)
     starvation = parameter(
         3e-8, "1", "K_rs: 3e-8 low oil bath and oil jet, 6e-8 grease and oil-air; from memory", low=0.0, nominal=1e-8
+    )
+    axial_share = parameter(
+        0.5, "1", "largest axial load over C_0 that is advised: 0.25 of the diameter series 8, 9, 0 and 1", low=0.0
+    )
+    minimum_factor = parameter(
+        0.025, "1", "k_r of the least load, from product tables; of 62 about 0.025, from memory; 0: none", low=0.0, nominal=0.01
     )
 
 
@@ -110,17 +124,17 @@ def palmgren_torque(load, speed, pitch_diameter, viscosity, oil):
 
 
 @kernel
-def skf_torque(radial, axial, speed, pitch_diameter, viscosity, skf):
-    """M, N.m, under loads across and along the shaft, N, at a speed, rad/s; skf: the effect's values."""
-    turns, nu, dm = abs(speed) * 30.0 / math.pi, 1e6 * viscosity, 1e3 * pitch_diameter
+def skf_torque(radial, axial, speed, bore, viscosity, skf):
+    """M, N.m, under loads across and along the shaft, N, at a speed, rad/s; bore: m; skf: the effect's values."""
+    turns, nu, dm = abs(speed) * 30.0 / math.pi, 1e6 * viscosity, 500.0 * (bore + skf.outside_diameter)
     push, slid = radial, skf.sliding * dm**-0.26 * radial ** (5.0 / 3.0)
     if axial > AXIAL * radial:
-        sine = math.sin(math.radians(24.6 * (axial / skf.static_rating) ** 0.24))
+        sine = math.sin(math.radians(24.6 * min(axial / skf.static_rating, UPRIGHT) ** 0.24))
         push = radial + skf.rolling_thrust / sine * axial
         slid = skf.sliding * dm**-0.145 * (radial**5 + skf.sliding_thrust * dm**1.5 / sine * axial**4) ** (1.0 / 3.0)
     rolled = skf.rolling * dm**1.96 * push**0.54
     heated = 1.0 / (1.0 + 1.84e-9 * (turns * dm) ** 1.28 * nu**0.64)
-    starved = math.exp(-skf.starvation * nu * turns * 2.0 * dm * math.sqrt(CAGE / (4e3 * skf.section_height)))
+    starved = math.exp(-skf.starvation * nu * turns * 2.0 * dm * math.sqrt(CAGE / (2e3 * (skf.outside_diameter - bore))))
     bare = math.exp(-2.6e-8 * (nu * turns) ** 1.4 * dm)
     coefficient = bare * skf.boundary + (1.0 - bare) * skf.full_film
     return 1e-3 * (heated * starved * rolled * (nu * turns) ** 0.6 + slid * coefficient)
@@ -138,6 +152,23 @@ def put_friction(y, u, sums, speed, pitch_diameter, friction, oil, skf):
             torque = palmgren_torque(load, speed, pitch_diameter, y[oil.y], oil)
         else:
             radial = math.sqrt(sums[0] ** 2 + sums[1] ** 2)
-            torque = skf_torque(radial, abs(sums[2]), speed, pitch_diameter, y[oil.y], skf)
+            torque = skf_torque(radial, abs(sums[2]), speed, friction.bore_diameter, y[oil.y], skf)
     y[friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
     y[friction.y + 1] = torque * abs(speed)
+
+
+@kernel
+def note_advice(t, sums, speed, viscosity, friction, skf, noted):
+    """The first load that is against the catalogue's advice, into noted (2, 4): too much along the shaft, and too little in all.
+
+    A row is that load, N, the limit, N, and the time, s; the limit is 0 where there was none. sums: forces, N; viscosity: m²/s.
+    """
+    share = min(skf.axial_share, SMALL_SHARE) if friction.bore_diameter <= SMALL_BORE else skf.axial_share
+    axial, most = abs(sums[2]), share * skf.static_rating
+    if axial > most and noted[0, 1] == 0.0:
+        noted[0, 0], noted[0, 1], noted[0, 2] = axial, most, t
+    load = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
+    mean, turning = 500.0 * (friction.bore_diameter + skf.outside_diameter), 1e6 * viscosity * abs(speed) * 30.0 / math.pi
+    least = 1e3 * skf.minimum_factor * (1e-3 * turning) ** (2.0 / 3.0) * (0.01 * mean) ** 2
+    if load < least and noted[1, 1] == 0.0:
+        noted[1, 0], noted[1, 1], noted[1, 2] = load, least, t

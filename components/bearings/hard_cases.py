@@ -358,6 +358,14 @@ HARD_CASES = {
             effects=("friction", "oil_friction"),
             parameters={"oil_friction.viscosity_40": 8.7e-6, "oil_friction.viscosity_100": 6.8e-5},
         ),
+        "a static rating in kN": HardCase(
+            "The catalogue's contact angle would be beyond 90 degrees.",
+            Refused("skf_friction.static_rating = 15.3 N", "step", {"skf_friction.static_rating": 15.3e3}),
+            effects=("friction", "oil_friction", "skf_friction"),
+            parameters={"skf_friction.static_rating": 15.3},
+            inputs={"displacement_z": jumps(0.0, (1e-3, 1.5e-4)), "speed": 100.0},
+            run=(5e-3, 1e-3),
+        ),
         "film through standstill": HardCase(
             "The film's slope over the speed has no bound at 0; friction takes, in both directions.",
             (AtLeast("friction.power", 0.0), Finite()),

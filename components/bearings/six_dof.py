@@ -28,7 +28,7 @@ from .contacts import (
     note_contacts,
 )
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
-from .friction import COLDEST, HOTTEST, put_friction
+from .friction import COLDEST, HOTTEST, UPRIGHT, note_advice, put_friction
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
 from .inertia import Inertia, centrifugal_factor
@@ -37,7 +37,7 @@ from .races import TWO_PI, add_faults, highest_order, start_waves, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
-COARSE, UNSEEN = 0, 1  # rows of what `check_passages` notes
+COARSE, UNSEEN, ADVICE = 0, 1, 2  # rows of what `check_passages` notes, and first of those of `note_advice`
 FORCE, LARGEST, NUMBER, RING, CAGE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
 HERTZ = ("exact", "brewe-hamrock")
 FITTED = 1  # of them
@@ -55,7 +55,8 @@ FEATURES = (
 
 # Statuses; the last name the feature that a ball may have missed, in the order of `FEATURES`
 LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT, THICKENS, NO_OIL = OWN + 1, OWN + 2, OWN + 3, OWN + 4, OWN + 5, OWN + 6
-MISSED = OWN + 7
+OTHER_BALLS, UPRIGHT_LOAD = OWN + 7, OWN + 8
+MISSED = OWN + 9
 
 
 class Constants:
@@ -83,6 +84,11 @@ def bearing_start(t, s, p, e):
         return LARGE_BALLS
     if e.oil_friction is not None and e.oil_friction.viscosity_100 > e.oil_friction.viscosity_40:
         return THICKENS
+    if e.skf_friction is not None and not (
+        e.friction.bore_diameter < p.pitch_diameter - p.ball_diameter
+        and e.skf_friction.outside_diameter > p.pitch_diameter + p.ball_diameter
+    ):
+        return OTHER_BALLS
     gamma = diameter_share(p.ball_diameter, p.pitch_diameter, 0.0)
     modulus = effective_modulus(p.elastic_modulus, p.poisson_ratio, p.elastic_modulus, p.poisson_ratio)
     inner_x, inner_y = relative_radii(INNER, p.inner_conformity, p.ball_diameter, gamma)
@@ -256,7 +262,10 @@ def bearing_step(t, h, s, p, e):
     s.initializing[0] = 0.0
     roll(h, s.x, s.u, s.constants)
     hold_inputs(s.u, h)
-    return bearing_outputs(t + h, s, p, e)
+    status = bearing_outputs(t + h, s, p, e)
+    if e.skf_friction is not None and status == DONE:
+        note_advice(t + h, s.sums, s.u[0, SPEED], s.y[e.oil_friction.y], e.friction, e.skf_friction, s.noted[ADVICE:])
+    return status
 
 
 @kernel
@@ -298,6 +307,9 @@ def bearing_outputs(t, s, p, e):
         linearise(u, y, k, s, initializing, e)
     if e.oil_friction is not None and not COLDEST <= u[e.oil_friction.u] <= HOTTEST:
         return NO_OIL
+    if e.skf_friction is not None and not initializing and abs(sums[2]) > UPRIGHT * e.skf_friction.static_rating:
+        s.message[0] = abs(sums[2])
+        return UPRIGHT_LOAD
     if e.friction is not None:
         put_friction(y, u, sums, speed, p.pitch_diameter, e.friction, e.oil_friction, e.skf_friction)
     if e.ball_inertia is not None:

@@ -74,6 +74,8 @@ class Effect:
     A subclass declares its own variables. Kernels get `Values` or None: the parameters, `u` and `y`, the positions of
     the effect's first input and first output where it has such, and `on` where there is nothing else to hold.
 
+    `restores`: of what effects that it requires replace, the parameters that it reads after all.
+
     `explicit_only`: only a scene switches the effect on; a study of effects never adds it. So are parts, defects, loads, programmes
     and other forms of the model, which do not refine what a scene already has.
 
@@ -89,6 +91,7 @@ class Effect:
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[tuple[str, ...]] = ()
     replaces: ClassVar[tuple[str, ...]] = ()
+    restores: ClassVar[tuple[str, ...]] = ()
     explicit_only: ClassVar[bool] = False
     read_by: ClassVar[tuple[str, ...]] = ("initialize", "step", "outputs")
     either_in: ClassVar[tuple[str, ...]] = ()
@@ -275,9 +278,16 @@ class Component:
 
     __getitem__, __setitem__ = get, set
 
+    @classmethod
+    def replaced(cls, on: Iterable[str]) -> dict[str, str]:
+        """The parameters that are ineffective with these effects, each with the effect that takes its place; arrays without an index."""
+        some = [(name, cls.effects[name]) for name in on]
+        restored = {n for _, effect in some for n in effect.restores}
+        return {n: name for name, effect in some for n in effect.replaces if n not in restored}
+
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """Of some parameters those that have no part in what is computed, each with the reason; a subclass may know more."""
-        reasons = {n: f"the effect {effect!r} takes its place" for effect in self.on for n in type(self).effects[effect].replaces}
+        reasons = {n: f"the effect {effect!r} takes its place" for n, effect in type(self).replaced(self.on).items()}
         return {n: reasons[own] for n in names if (own := n.partition("[")[0]) in reasons}
 
     def doubts(self, names: Iterable[str]) -> list[str]:

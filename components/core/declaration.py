@@ -37,6 +37,15 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
                 yield name, "another effect of the class", f"effect {name!r} with {other!r}", nearest(other, cls.effects)
         own = [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER]
         required = [f"{other}.{v.name}" for other in effect_class.requires for v in cls.effects[other].variables]
+        gone = [n for other in effect_class.requires for n in cls.effects[other].replaces]
+        for other in effect_class.restores:
+            if other not in gone:
+                yield (
+                    name,
+                    "a parameter that a required effect replaces",
+                    f"effect {name!r} restores {other!r}",
+                    nearest(other, gone),
+                )
         for other in effect_class.replaces:
             if other not in (*own, *required):
                 yield name, "a parameter of the class", f"effect {name!r} in the place of {other!r}", nearest(other, own)

@@ -126,11 +126,12 @@ def _of_effect(effect: str) -> Callable[[str], bool]:
 
 
 def _replaced(scene: SceneSettings, place: Place, changes: Mapping[str, Any]) -> Callable[[str], bool]:
-    """Whether an effect that is switched on takes the place of a parameter, which the changes do not give themselves."""
+    """Whether effects that are switched on take the place of a parameter, which the changes do not give themselves."""
     cls = _kind(scene, place.unit).component_class
-    replaced = cls.effects[place.effect].replaces if cls and place.effect in cls.effects else ()
-    given = {other.parameter.partition("[")[0] for other in (place_of(scene, n) for n in changes) if other.unit == place.unit}
-    return lambda name: name.partition("[")[0] in set(replaced) - given
+    others = {n: other for n in changes if (other := place_of(scene, n)).unit == place.unit}
+    on = [other.effect for n, other in others.items() if cls and other.effect in cls.effects and changes[n] is True]
+    gone = set(cls.replaced(on) if cls else ()) - {other.parameter.partition("[")[0] for other in others.values()}
+    return lambda name: name.partition("[")[0] in gone
 
 
 def _drop(data: dict[str, Any], unit: str, gone: Callable[[str], bool]) -> None:

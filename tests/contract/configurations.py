@@ -18,7 +18,7 @@ SMALL = {name: dict(FACTS[name].small) for name in CATALOGUE}
 
 def small(component: str, effects: Iterable[str]) -> dict[str, Any]:
     """Parameters for short runs, without those that these effects replace."""
-    replaced = {n for e in effects for n in component_class(component).effects[e].replaces}
+    replaced = component_class(component).replaced(effects)
     return {n: v for n, v in SMALL[component].items() if n.partition("[")[0] not in replaced}
 
 

@@ -71,7 +71,7 @@ def effect_changes(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> dict[
             changes[f"units.{name}.preset"] = ""
             parameters = {**preset.parameters, **parameters}
             preset = None
-        gone = cls.effects.keys() - set(on) | {n for e in on for n in cls.effects[e].replaces}
+        gone = cls.effects.keys() - set(on) | cls.replaced(on).keys()
         changes[f"units.{name}.parameters"] = {
             k: v for k, v in parameters.items() if k.partition(".")[0].partition("[")[0] not in gone
         }
