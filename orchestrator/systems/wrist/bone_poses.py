@@ -45,9 +45,9 @@ def read_bones(folder: Path, side: str = "") -> dict[str, Rotation]:
     motions = sorted(folder.glob(f"[0-9][0-9][{side or 'LR'}]/*_Motion[0-9][0-9][LR].dat"))
     sides = {path.parent.name[-1] for path in motions}
     if len(sides) != 1:
-        found = "postures of both sides" if sides else "no files such as 01L/66582_Motion01L.dat"
+        actual = "postures of both sides" if sides else "no files such as 01L/66582_Motion01L.dat"
         raise BadInput(
-            str(folder), found, "a person's folder of one side", "Give the side with --side L or --side R." if sides else ""
+            str(folder), actual, "a person's folder of one side", "Give the side with --side L or --side R." if sides else ""
         )
     (one,) = sides
     info, person = folder / f"{SIDES[one]}Info", motions[0].name.split("_Motion")[0]
@@ -61,14 +61,14 @@ def read_bones(folder: Path, side: str = "") -> dict[str, Rotation]:
         )
     distal, radial, palmar = radius[:3].T * np.sign(apart.diagonal())[:, None]
     frame = np.column_stack([-palmar, distal, radial])  # a reflection, too, makes rotations of rotations
-    found = {bone: np.empty((len(motions), 3, 3)) for bone in USED}
+    turned = {bone: np.empty((len(motions), 3, 3)) for bone in USED}
     for k, path in enumerate(motions):
         blocks = _lines(path, 60).reshape(15, 4, 3)[:, :3]
         for bone in USED:
             matrix = blocks[0].T @ blocks[BONES.index(bone)]
             _check(matrix, path, bone)
-            found[bone][k] = frame.T @ matrix @ frame
-    return {bone: Rotation.from_matrix(matrices) for bone, matrices in found.items()}
+            turned[bone][k] = frame.T @ matrix @ frame
+    return {bone: Rotation.from_matrix(matrices) for bone, matrices in turned.items()}
 
 
 def proximal_row(bones: Mapping[str, Rotation]) -> Rotation:

@@ -17,7 +17,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ....components.wrist.kinematics import RULES, Axes, inverse
 from .bone_poses import ROW, proximal_row
-from .measured_axes import fit_axes
+from .fitted_axes import fit_axes
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -71,25 +71,25 @@ def figures(bones: Mapping[str, Rotation]) -> dict[str, float]:
         measured[f"toward.{name}"] = float(min(first * turned[k, 2], second * flexed[k]))
     ends = [turned[k, 2] for k in nearest.values()]
     measured |= {"arc.flexion": float(ends[0] - ends[1]), "arc.deviation": float(ends[2] - ends[3])}
-    by, errors = _per_posture(postures, row.as_rotvec())
+    by, errors = per_posture(postures, row.as_rotvec())
     measured |= {"share": by[0, 2], "share.error": errors[0, 2], "per.deviation": by[1, 2], "per.deviation.error": errors[1, 2]}
     kept = [np.delete(np.arange(len(hand)), k) for k in range(len(hand))]
-    others = [_apart(_per_posture(postures[k], row[k].as_rotvec())[0]) for k in kept]
+    others = [apart(per_posture(postures[k], row[k].as_rotvec())[0]) for k in kept]
     axes = fit_axes(row.as_rotvec(), hand.as_rotvec())
     for k, name in enumerate(("proximal", "distal")):
         measured |= {f"tilt.{name}": math.degrees(axes.tilts[k]), f"tilt.{name}.error": math.degrees(axes.errors[k])}
-    measured |= {"apart": _apart(by), "apart.error": math.sqrt(len(others) - 1.0) * float(np.std(others))}
+    measured |= {"apart": apart(by), "apart.error": math.sqrt(len(others) - 1.0) * float(np.std(others))}
     return measured | _halves(row.as_rotvec(), hand.as_rotvec(), postures)
 
 
-def _per_posture(postures: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def per_posture(postures: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotation of the row per flexion and deviation of the hand, (2, 3), and its standard errors."""
     by, squares, *_ = np.linalg.lstsq(postures, turned, rcond=None)
     spread = np.diag(np.linalg.inv(postures.T @ postures))
     return by, np.sqrt(np.outer(spread, squares / (len(postures) - 2)))
 
 
-def _apart(by: np.ndarray) -> float:
+def apart(by: np.ndarray) -> float:
     """Angle between the row's axes in flexion and in deviation, degrees."""
     first, second = by / np.linalg.norm(by, axis=1)[:, None]
     return math.degrees(math.acos(min(1.0, abs(float(first @ second)))))
@@ -108,7 +108,7 @@ def _halves(row: np.ndarray, hand: np.ndarray, postures: np.ndarray) -> dict[str
         others = np.delete(np.arange(count), half)
         try:
             tilts = fit_axes(row[half], hand[half]).tilts
-            angles = [inverse(f, d, Axes(RULES, *tilts, 0.0))[0] for f, d in postures[others].tolist()]
+            angles = [inverse(f, d, Axes(RULES, tilts[0], tilts[1], 0.0))[0] for f, d in postures[others].tolist()]
         except BadInput:
             refused += 1
             continue

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, hand_rotation, row_rotation
-from cosimo.orchestrator.systems.wrist.measured_axes import COLUMNS, fit_axes, main
+from cosimo.orchestrator.systems.wrist.fitted_axes import fit_axes
+from cosimo.orchestrator.systems.wrist.measured_axes import COLUMNS, main
 from scipy.spatial.transform import Rotation
 
 GRID = [(a, b) for a in (-0.6, -0.2, 0.3, 0.7) for b in (-0.5, 0.1, 0.6)]
