@@ -15,6 +15,8 @@ from ...core.errors import BadInput
 from .from_table import Resolved, resolved_sections
 from .table import Dropper, Line, checked_number, read_line
 
+OF_SECOND = "second "  # before the wire that the droppers of an auxiliary wire hang from, in every second section
+
 
 def column_names() -> dict[str, str]:
     """Key of `Dropper` -> name of its column, with the unit."""
@@ -37,9 +39,10 @@ def with_droppers(line: Line, text: str, where: str) -> Line:
     sections = [_with_rows(s, i, rows) for i, s in enumerate(resolved_sections(line))]
     if rows:
         place, row = next(iter(rows.items()))
+        above = f" that hangs from {row.hangs_from!r}" if row.hangs_from else ""
         raise BadInput(
             f"{where}, line {place}",
-            f"a dropper of contact wire {row.contact_wire or 1:g} at {row.position:g} m",
+            f"a dropper of contact wire {row.contact_wire or 1:g} at {row.position:g} m{above}",
             "a place inside a span with that wire",
             "Positions count from the first support of the line.",
         )
@@ -49,20 +52,24 @@ def with_droppers(line: Line, text: str, where: str) -> Line:
 def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
     """A section with its spans one by one, each with its rows, which are taken out of `rows`."""
     spans = []
-    twin = s.section.second_contact_wire.tension is not None
-    numbered = twin or s.section.auxiliary.tension is not None
-    wires = (1.0, 2.0) if twin else (1.0 + index % 2,)
+    twin, compound = s.section.second_contact_wire.tension is not None, s.section.auxiliary.tension is not None
+    wires, beside = (1.0, 2.0) if twin else (1.0 + index % 2,), OF_SECOND if index % 2 else ""
+
+    def within(row: Dropper) -> Dropper | None:
+        """A row as the section's table has it, or None where it is one of another section."""
+        if compound and row.contact_wire is None and row.hangs_from in (beside + "messenger", beside + "stitch"):
+            return replace(row, hangs_from=row.hangs_from.removeprefix(beside))
+        if (row.contact_wire or 1.0) not in wires or row.hangs_from.startswith(OF_SECOND):
+            return None
+        return replace(row, contact_wire=row.contact_wire if twin else 1.0 if compound else None)
+
     for a, b, span in zip(s.x[:-1], s.x[1:], s.spans, strict=True):
-        mine = {place: row for place, row in rows.items() if a < row.position < b and (row.contact_wire or 1.0) in wires}
-        for place in mine:
-            del rows[place]
-        own = sorted(
-            (
-                replace(row, position=row.position - float(a), contact_wire=row.contact_wire if numbered else None)
-                for row in mine.values()
-            ),
-            key=lambda row: row.position,
-        )
+        own = []
+        for place, row in list(rows.items()):
+            if a < row.position < b and (mine := within(row)) is not None:
+                del rows[place]
+                own.append(replace(mine, position=row.position - float(a)))
+        own.sort(key=lambda row: row.position)
         spans.append(
             replace(span, dropper_list=tuple(own), positions=None, second_positions=None, main_positions=None, heights=None)
         )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import BadInput
-from .layout import AUXILIARY, SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
+from .layout import SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
 from .table import MOST_DROPPERS, MOST_SPANS, Dropper, DropperData, Line, Section, Span, Stitch, Support, WireData, over
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
@@ -117,25 +117,22 @@ def lay_out(line: Line, bending: bool) -> Layout:
             "line.sections",
             "two contact wires in a line of several sections",
             "one section",
-            "Overlaps of sections with two contact wires each are not modelled.",
+            "Overlaps of sections with two contact wires each are not modelled: a head would touch four wires.",
         )
     stitched = any(support.stitch.half_length for s in sections for support in s.supports[1:-1])
     compound = any(s.section.auxiliary.tension is not None for s in sections)
-    for beside, what in ((two, "a second contact wire"), (stitched, "stitch wires"), (len(sections) > 1, "several sections")):
-        if compound and beside:
-            raise BadInput(
-                "line.sections", f"an auxiliary wire and {what}", "one section with one contact wire and no stitch wires"
-            )
-    contacts = 2 if two or len(sections) > 1 else 1
-    first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, min(len(sections), 2)]
-    lanes = first_stitch + (min(len(sections), 2) if stitched else 0) + compound
+    beside = min(len(sections), 2)  # sections that a place may have
+    contacts = 2 if two or beside > 1 else 1
+    first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, beside]
+    first_auxiliary = first_stitch + (beside if stitched else 0)
+    lanes = first_auxiliary + (beside if compound else 0)
     wires: list[Any] = []
     droppers: list[Any] = []
     holds: list[Any] = []
     lateral: list[Any] = []
     for i, s in enumerate(sections):
-        lane = SECOND * (i % 2)
-        parts = _Section(s, bending, reference, lane, lane + 1, first_stitch + i % 2, len(wires))
+        lane, side = SECOND * (i % 2), i % 2
+        parts = _Section(s, bending, reference, (lane, lane + 1, first_stitch + side, first_auxiliary + side), len(wires))
         wires += parts.wires()
         droppers += parts.droppers()
         holds += parts.holds()
@@ -147,7 +144,7 @@ def lay_out(line: Line, bending: bool) -> Layout:
     springs = Holds(**_by_column(Holds, holds, "lane", "wire"))
     supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
     contact_lanes = tuple(range(0, 2 * contacts, 2))
-    between = (AUXILIARY,) if compound else ()
+    between = tuple(range(first_auxiliary, lanes))
     return Layout(
         lanes, supports, tuple(wires), rows, springs, contact_lanes, between, np.array(lateral).reshape(-1, 5), reference
     )
@@ -206,10 +203,10 @@ def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
 class _Section:
     """Wires, droppers and springs of one section in its lanes."""
 
-    def __init__(self, s: Resolved, bending: bool, reference: float, contact: int, messenger: int, stitch: int, first: int):
-        """first: number of the section's first wire among all."""
+    def __init__(self, s: Resolved, bending: bool, reference: float, lanes: tuple[int, int, int, int], first: int):
+        """lanes: of contact wire, messenger, stitch wires and auxiliary wire; first: number of the section's first wire among all."""
         self.s, self.reference, self.first = s, reference, first
-        self.contact, self.messenger, self.stitch = contact, messenger, stitch
+        self.contact, self.messenger, self.stitch, self.between = lanes
         left_out = WireData(SAID_BY_A_PARAMETER, SAID_BY_A_PARAMETER, SAID_BY_A_PARAMETER)
         self.wire, self.upper = over(s.section.contact_wire, left_out), over(s.section.messenger, left_out)
         self.second = over(s.section.second_contact_wire, self.wire) if s.section.second_contact_wire.tension else None
@@ -259,7 +256,7 @@ class _Section:
         if self.auxiliary is not None:
             own, above = self.auxiliary, self.auxiliary.height
             EI = own.bending or 0.0 if self.bending else 0.0
-            wires.append(Wire(AUXILIARY, a, b, own.tension, own.mass, EI, (ends[0] + above, ends[1] + above)))
+            wires.append(Wire(self.between, a, b, own.tension, own.mass, EI, (ends[0] + above, ends[1] + above)))
         wires += [
             Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, 0.0, clamped_to=self.messenger)
             for x, t in self.stitches
@@ -320,13 +317,13 @@ class _Section:
         if self.second is not None:
             yield 2, SECOND, contact
         if self.auxiliary is not None:
-            yield 0, AUXILIARY, main
+            yield 0, self.between, main
 
     def _hangs_from(self, x: float, row: Dropper, where: str, number: int) -> int:
         if self.auxiliary is not None and number > 0:
             if row.hangs_from not in ("", "auxiliary"):
                 raise BadInput(where, f"a dropper of the contact wire at {x:g} m that hangs from {row.hangs_from!r}", "auxiliary")
-            return AUXILIARY
+            return self.between
         under = any(abs(x - support) < t.half_length - 1e-6 for support, t in self.stitches)
         if row.hangs_from not in ("", name := "stitch" if under else "messenger"):
             raise BadInput(where, f"a dropper at {x:g} m that hangs from {row.hangs_from!r}", name, "Leave it out.")
@@ -392,7 +389,7 @@ def _droppers(span: Span, d: DropperData, wire: int, where: str, compound: bool 
         return [Dropper(position=float(x)) for x in _positions(getattr(span, key), span, d, where, key)]
 
     def carried(row: Dropper) -> float:
-        main = compound and row.hangs_from == "messenger" and row.contact_wire is None
+        main = compound and row.hangs_from in ("messenger", "stitch") and row.contact_wire is None
         return 0 if main else row.contact_wire or 1
 
     own = [row for row in span.dropper_list if carried(row) == wire]

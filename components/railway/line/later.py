@@ -29,7 +29,7 @@ from ...core.errors import BadInput
 from ...core.kernels import DONE, kernel, kernel_tuple
 from .form import Form, Found, Z, find_form_at_rest, given_of, hang
 from .from_table import lay_out
-from .layout import AUXILIARY, GRAVITY, SECOND, Layout
+from .layout import GRAVITY, Layout
 from .plan import (
     ADDED,
     CLAMPED_TO,
@@ -58,8 +58,8 @@ from .table import Line, over
 CONVERGED = 1e-10  # of the tension
 PASSES = 200
 EXPANSION = 1.7e-5  # 1/K, copper and its alloys, as read in a public source
-# of the tables of a section; of those behind the first two only one is there, and only with its tension
-LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND, "auxiliary": AUXILIARY}
+ALWAYS = ("contact_wire", "messenger")  # wires of each section;
+WIRES = (*ALWAYS, "second_contact_wire", "auxiliary")  # the others are there with their tension
 
 
 @kernel_tuple
@@ -111,12 +111,13 @@ def fixed_wires(line: Line, layout: Layout, asked: bool) -> Iterator[tuple[int, 
 
 def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, str]]:
     """Number of each wire that is a table of a section, the section and the table's key."""
-    for i in range(len(line.sections)):
-        for key, lane in LANES.items():
-            if lane > 1 and getattr(line.sections[i], key).tension is None:
-                continue
-            lanes = [row for row, w in enumerate(layout.wires) if w.lane == lane + SECOND * (i % 2) and w.clamped_to is None]
-            yield lanes[i // 2], i, key
+    anchored = iter(
+        [row for row, w in enumerate(layout.wires) if w.clamped_to is None]
+    )  # section by section, in the order of `WIRES`
+    for i, section in enumerate(line.sections):
+        for key in WIRES:
+            if key in ALWAYS or getattr(section, key).tension is not None:
+                yield next(anchored), i, key
 
 
 def line_at(line: Line, p: Any, change: float = 0.0, worn: float = 0.0) -> tuple[Line, Form]:

@@ -1,7 +1,7 @@
 """The parts of a line along the track, as plain data: the uniform catenary and a line from a table both become a `Layout`.
 
-Lanes are the rows of a mesh: 0 the contact wire, 1 its messenger, 2 a second contact wire or the auxiliary wire of a compound
-catenary, then further messengers and stitch wires. A wire takes its lane from one anchor to the other.
+Lanes are the rows of a mesh: 0 the contact wire, 1 its messenger, 2 a second contact wire, then a further messenger, stitch wires
+and auxiliary wires of compound catenaries. A wire takes its lane from one anchor to the other.
 
 A number that the line does not say is NaN: a parameter of `Catenary` takes its place, see `plan`.
 """
@@ -17,7 +17,6 @@ import numpy as np
 from ...core.errors import BadInput
 
 SECOND = 2  # lane of the second contact wire
-AUXILIARY = 2  # lane of the auxiliary wire: a compound catenary has no second contact wire
 GRAVITY = 9.81  # m/s²
 SAID_BY_A_PARAMETER = math.nan
 

@@ -101,7 +101,8 @@ class Dropper:
     position: Number = number("m", "position from the left support; in a CSV table, along the line")
     contact_wire: Number = number("1", "1, or 2 for a second contact wire", 1.0, 2.0)
     hangs_from: str = words(
-        "messenger, stitch or auxiliary: follows, and is compared; messenger makes it one of an auxiliary wire"
+        "messenger, stitch or auxiliary: follows, and is compared; without a contact wire, messenger or stitch make it one of an "
+        "auxiliary wire, second messenger or second stitch in a CSV table that of every second section"
     )
     height: Number = number("m", "wanted height of the wire at its lower clamp")
     length: Number = number("m", "length under load: follows, and is compared", 1e-3)

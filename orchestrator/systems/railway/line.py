@@ -15,7 +15,7 @@ from ....components.core.columns import decoded
 from ....components.core.errors import BadInput
 from ....components.core.files import read_bytes
 from ....components.railway.catenary import Catenary
-from ....components.railway.line.dropper_table import column_names, with_droppers
+from ....components.railway.line.dropper_table import OF_SECOND, column_names, with_droppers
 from ....components.railway.line.form import Form, find_form
 from ....components.railway.line.later import line_at
 from ....components.railway.line.layout import GRAVITY
@@ -83,8 +83,10 @@ def refuse_pushing(form: Form, where: str) -> None:
 
 
 def _which(form: Form, k: int) -> str:
-    """Of a dropper the contact wire, as `dropper_rows` counts them, where a line has two of them, as in an overlap."""
-    return f" (contact wire {form.layout.droppers.lower[k] // 2 + 1})" if np.ptp(form.layout.droppers.lower) else ""
+    """Of a dropper the wire that it carries, where a line has several: contact wires as `dropper_rows` counts them, or `auxiliary`."""
+    lower = form.layout.droppers.lower
+    contact = f"contact wire {lower[k] // 2 + 1}" if lower[k] in form.layout.contact_lanes else "auxiliary"
+    return f" ({contact})" if np.ptp(lower) else ""
 
 
 def _wire(form: Form, lane: int) -> str:
@@ -97,7 +99,7 @@ def _wire(form: Form, lane: int) -> str:
     return "stitch" if stitch else "messenger"
 
 
-DRAWN = {"contact wire": "=", "messenger": "-", "stitch": "~", "auxiliary": "~"}  # a line has stitch wires or an auxiliary wire
+DRAWN = {"contact wire": "=", "messenger": "-", "stitch": "~", "auxiliary": "~"}
 COLOURS = {"messenger": "currentColor", "stitch": "#E69F00", "auxiliary": "#009E73"}
 
 
@@ -105,8 +107,15 @@ def dropper_rows(form: Form) -> list[tuple[Any, ...]]:
     """A row a dropper, columns `DROPPER_COLUMNS`; heights as in the line's table. One of an auxiliary wire has no contact wire."""
     d, half = form.layout.droppers, 0.5 * form.layout.droppers.mass
     numbers = (form.length, form.cut_length, form.preload, d.stiffness, d.mass, d.mass_below - half, d.mass_above - half)
+    first = form.layout.auxiliary_lanes[:1]
+
+    def carried(lower: int, upper: int) -> tuple[int | str, str]:
+        if lower in form.layout.contact_lanes:
+            return lower // 2 + 1, _wire(form, upper)
+        return "", _wire(form, upper) if lower in first else OF_SECOND + _wire(form, upper)
+
     return [
-        (x, lower // 2 + 1 if lower in form.layout.contact_lanes else "", _wire(form, upper), z, *rest)
+        (x, *carried(lower, upper), z, *rest)
         for x, lower, upper, z, *rest in zip(
             d.position, d.lower, d.upper, d.height + form.layout.reference, *numbers, strict=True
         )
@@ -178,7 +187,7 @@ def text_drawing(form: Form, width: int = WIDTH) -> str:
         marks[place(x, low)[1]] = "^"
     scale = (right - left) / (high - low) * HEIGHT / width * 2.0  # a character is twice as high as wide
     ends = f"{left:g} m" + f"{right:g} m".rjust(width - len(f"{left:g} m"))
-    between = "auxiliary" if form.layout.auxiliary_lanes else "stitch"
+    between = " or ".join(sorted({_wire(form, w.lane) for w in form.layout.wires} & {"auxiliary", "stitch"})) or "stitch"
     legend = f"= contact wire  - messenger  ~ {between}  | dropper  ^ support; heights {scale:.0f} times as large as lengths"
     return "\n".join(["".join(row).rstrip() for row in rows] + ["".join(marks).rstrip(), ends, legend])
 
