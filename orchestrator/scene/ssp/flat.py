@@ -14,11 +14,10 @@ from typing import Any
 from ....components.core.errors import BadInput, nearest
 from ...engine.coupling.arrays import shape_of
 from ...settings.names import connection
-from .parameters import Assignment, Transformation, Value
+from .parameters import SHOWN, Assignment, Transformation, Value
 from .system import DICTIONARY, GIVES, TAKES, Connection, Connector, Element
 from .units_of_measure import between
 
-SHOWN = 5  # names in a remark
 Path = tuple[str, ...]  # names of elements from the root system down, which has ()
 Place = tuple[Path, str]  # a connector or variable of an element
 

@@ -18,6 +18,7 @@ from urllib.parse import unquote, urlsplit
 from lxml import etree
 
 from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import bare_number
 from ....components.core.store import digest_of, kept, replaced
 from ...loading import MOST_INSIDE, check_archive
 
@@ -212,7 +213,7 @@ def number(element: etree._Element, attribute: str, default: float, where: str) 
     """The value of a numerical attribute, which must be finite."""
     text = element.get(attribute)
     try:
-        value = default if text is None else float(text)
+        value = default if text is None else bare_number(text)
     except ValueError:
         value = nan
     if not isfinite(value):

@@ -5,7 +5,8 @@ Source: System Structure and Parameterization 1.0, chapters 5 (bindings), 6 (SSV
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from itertools import product
@@ -15,12 +16,14 @@ from pathlib import Path
 from lxml import etree
 
 from ....components.core.errors import BadInput
+from ....components.core.measure import bare_number
 from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, truth
 from .units_of_measure import Measure, definitions, named
 
 REALS = ("Real", "Float64", "Float32")  # the first of each is of version 1.0, the others of 2.0
 WHOLES = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 OTHERS = ("Boolean", "String", "Enumeration", "Binary")
+SHOWN = 5  # names in a remark
 MAPPINGS = {
     "BooleanMappingTransformation": "Boolean",
     "IntegerMappingTransformation": "Integer",
@@ -85,6 +88,8 @@ def transformation(node: etree._Element, where: str) -> Transformation:
             return Transformation(number(child, "factor", 1.0, where), number(child, "offset", 0.0, where), given=True)
         if name in MAPPINGS:
             entries = child.findall("{*}MapEntry")
+            if twice := _twice(_key(MAPPINGS[name], e.get("source", ""), where) for e in entries):
+                raise BadInput(where, f"a second MapEntry of {twice[0]!r}", "one for each value")
             return Transformation(
                 table={_key(MAPPINGS[name], e.get("source", ""), where): e.get("target", "") for e in entries},
                 type=MAPPINGS[name],
@@ -105,11 +110,13 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     if root is None:
         raise BadInput(where, "a ParameterBinding without values", "a source, or a ParameterSet inside")
     measures, prefix = definitions(root, "ssv", place), binding.get("prefix", "")
-    values = {
-        prefix + name: value
+    given = [
+        (prefix + name, value)
         for p in find_all(root, "ssv:Parameters", "ssv:Parameter")
         for name, value in _values(p, required(p, "name", place), measures, f"{place}:{p.sourceline}")
-    }
+    ]
+    values = dict(given)
+    _remark(package, place, _twice(name for name, _ in given), "stand there twice; the last value is taken")
     mappings = find_all(binding, "ssd:ParameterMapping")
     if not mappings:
         for name, value in values.items():
@@ -122,11 +129,30 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     named_entries = [e for e in entries if e.get("source") != ""]  # some tools list every parameter, those without a value so
     if len(named_entries) < len(entries):
         package.remarks.append(f"{place}: {len(entries) - len(named_entries)} entries with an empty source are left out")
+    _remark(
+        package,
+        place,
+        [s for e in named_entries if (s := e.get("source", "")) not in values],
+        "are mapped and in no set; left out",
+    )
+    if twice := _twice(t for s, t in {(e.get("source"), e.get("target", "")) for e in named_entries} if s in values):
+        raise BadInput(place, f"target {twice[0]!r} of two entries", "one source for each target")
     for entry in named_entries:
         source, target, at = required(entry, "source", place), required(entry, "target", place), f"{place}:{entry.sourceline}"
         if source in values:
             suppress = truth(entry.get("suppressUnitConversion", "false"), "suppressUnitConversion", at)
             yield Assignment(target, values[source], transformation(entry, at), suppress, at)
+
+
+def _twice(names: Iterable[str]) -> list[str]:
+    """Names that come more than once."""
+    return [name for name, times in Counter(names).items() if times > 1]
+
+
+def _remark(package: Package, place: str, names: Sequence[str], what: str) -> None:
+    if names:
+        shown = ", ".join(map(repr, names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
+        package.remarks.append(f"{place}: parameters that {what}: {shown}")
 
 
 def content(
@@ -181,6 +207,6 @@ def plain(type_: str, text: str, where: str) -> bool | int | float | str:
     if type_ in ("String", "Enumeration", "Binary"):
         return text
     try:
-        return float(text) if type_ == "Real" else int(text)
+        return bare_number(text) if type_ == "Real" else int(text.replace("_", "?"))
     except ValueError:
         raise BadInput(where, f"value {text!r}", "a number" if type_ == "Real" else "a whole number") from None

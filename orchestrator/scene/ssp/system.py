@@ -141,6 +141,9 @@ class Document:
         systems = [n for n in self.root.iter("{*}System") if n.get("id") == of] if of else find_all(self.root, "ssd:System")
         if not systems:
             raise BadInput(self.where, f"no System with the id {of!r}" if of else "no System", "one")
+        if len(systems) > 1:
+            names = ", ".join(repr(n.get("name", "")) for n in systems)
+            raise BadInput(self.where, f"{len(systems)} systems, {names}", "one", "Put them into one system as its elements.")
         return self._system(systems[0], required(systems[0], "name", self.where), depth)
 
     def _at(self, element: etree._Element) -> str:

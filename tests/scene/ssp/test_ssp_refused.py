@@ -8,6 +8,12 @@ from cosimo.tests.scene.ssp.systems import PAIR, STEP, bindings, component, conn
 A = component("a")
 BINDING = "<ssd:ParameterBindings><ssd:ParameterBinding {}/></ssd:ParameterBindings>"
 OURS = '<ssc:Annotation type="cosimo"><x>{}</x></ssc:Annotation>'
+ENTRY = '<ssm:MappingEntry source="{}" target="{}"/>'
+VALUE = '<ssc:MapEntry source="3" target="{}"/>'
+TWICE = (
+    '<ssm:MappingEntry source="U" target="a.count"><ssc:IntegerMappingTransformation>'
+    f"{VALUE.format(4)}{VALUE.format(5)}</ssc:IntegerMappingTransformation></ssm:MappingEntry>"
+)
 BAD = [  # (root, more, what the message must name)
     (system("s", PAIR, connection("a.y", "c.u")), "", ["element 'c'", "'s'"]),
     (system("s", PAIR, connection("a.z", "b.u")), "", ["connector 'z'", "'a'"]),
@@ -48,6 +54,12 @@ BAD = [  # (root, more, what the message must name)
     (system("s", component("a", inside=BINDING.format('source="adder.fmu"'))), "", ["adder.fmu", "syntax error"]),
     (system("s", component("a", inside=BINDING.format(""))), "", ["ParameterBinding without values"]),
     (system("s", A + '<ssd:SignalDictionaryReference name="d" dictionary="e"/>'), "", ["signal dictionary"]),
+    (
+        system("s", A, bindings=bindings("U=Real:3 V=Real:4", mapping=ENTRY.format("U", "a.u") + ENTRY.format("V", "a.u"))),
+        "",
+        ["target 'a.u' of two entries"],
+    ),
+    (system("s", A, bindings=bindings("U=Integer:3", mapping=TWICE)), "", ["a second MapEntry of '3'"]),
 ]
 
 
@@ -68,6 +80,9 @@ def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
         (document(system("s", A)).replace('version="1.0" name="test"', 'version="3.0" name="test"'), ["version '3.0'"]),
         (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
         (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
+        (document(system("s", A) + system("t", A)), ["2 systems, 's', 't'", "expected one"]),
+        (document(system("s", A, bindings=bindings("a.count=Integer:1_1"))), ["'1_1'", "a whole number"]),
+        (document(system("s", A, bindings=bindings("a.u=Real:1_1"))), ["'1_1'", "a number"]),
         (document(system("s", A), experiment='startTime="1" stopTime="1"'), ["stop_time", "after start_time, 1 s"]),
         (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
         (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
@@ -83,7 +98,16 @@ def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, nam
     assert [part for part in named if part not in message] == [], message
 
 
+VALUED = system("s", PAIR, connection("a.y", "b.u"), bindings="{}")
 LENIENT = [  # what other tools write, and what the one remark on it names
+    (
+        document(VALUED.format(bindings("U=Real:3", mapping=ENTRY.format("V", "a.u"))), annotations=STEP),
+        "parameters that are mapped and in no set; left out: 'V'",
+    ),
+    (
+        document(VALUED.format(bindings("a.gain=Real:3 a.gain=Real:4")), annotations=STEP),
+        "parameters that stand there twice; the last value is taken: 'a.gain'",
+    ),
     (
         document(system("s", component("a", "u<") + component("b"), connection("a.y", "b.u")), annotations=STEP),
         "connector a.y is not listed; the FMU's variable is taken",
