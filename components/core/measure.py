@@ -158,6 +158,8 @@ def conversion_of(
             exponents = (defined or parse(unit, where)).exponents
             alike = [symbol for symbol, known in SYMBOLS.items() if known.exponents == exponents and unit != "1"]
             remedy = error.remedy if "Did you mean" in error.remedy else f"Such as {', '.join(alike)}." if alike else ""
+        elif unit == "rad/s" and parse(written).exponents == SYMBOLS["Hz"].exponents:
+            remedy = "Turns in time are written as rpm: 1 Hz or 1 1/s is 60 rpm."
         raise BadInput(where, shown, wanted, remedy) from None
 
 

@@ -18,7 +18,9 @@ from .initialization import (
     BEARING_BEYOND,
     DISK_BEYOND,
     HOLLOW,
+    NO_BODY,
     NO_MATERIAL,
+    NO_METAL,
     SPEED_BEYOND,
     SUPPORT_BEYOND,
     UNBALANCE_LOST,
@@ -140,6 +142,16 @@ class BeamRotor(KernelComponent):
             "youngs_modulus = {youngs_modulus} Pa with shear_modulus = {shear_modulus} Pa: Poisson's ratio {refused}",
             "more than -1 and at most 0.5",
             "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.",
+        ),
+        NO_METAL: Refusal(
+            "moduli of a section with Poisson's ratio {refused}",
+            "0 to 0.5, or nearly -1 for a shaft without shear",
+            "Give both moduli of a material: shear_modulus is E / (2 (1 + nu)).",
+        ),
+        NO_BODY: Refusal(
+            "a disk at {refused} m with a polar inertia of more than twice the diametral one",
+            "inertias of a body, twice of a thin disk",
+            "Are Ip and Id exchanged, or is one in another unit?",
         ),
         UNBALANCE_LOST: Refusal(
             "unbalance.moment[{refused}] without disk {refused}",

@@ -15,9 +15,21 @@ from .statics import equilibrium
 from .supports import NODE, add_supports, beyond_rows, follow_speed, hold_shaft
 
 # status
-HOLLOW, NO_MATERIAL, UNBALANCE_LOST, WATCHED_BEYOND, DISK_BEYOND, SUPPORT_BEYOND, BEARING_BEYOND, SPEED_BEYOND = range(
-    OWN + 1, OWN + 9
-)
+(
+    HOLLOW,
+    NO_MATERIAL,
+    UNBALANCE_LOST,
+    WATCHED_BEYOND,
+    DISK_BEYOND,
+    SUPPORT_BEYOND,
+    BEARING_BEYOND,
+    SPEED_BEYOND,
+    NO_METAL,
+    NO_BODY,
+) = range(OWN + 1, OWN + 11)
+RIGID = -0.99  # Poisson's ratio below which a shear modulus is one of those who want no shear
+THIN = 2.1  # polar over diametral inertia: 2 of a thin disk, the most that a body has, and the rounding of tables
+LEAST = 0.15  # Poisson's ratio of metals: 0.2 of cast iron to 0.45 (handbooks), less the rounding of moduli
 
 
 @kernel
@@ -78,6 +90,10 @@ def set_sections(s, p, e):
         if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
             s.refused[0] = poisson
             return NO_MATERIAL
+        half = e.shaft_table is not None and math.isnan(s.shaft[k, 3]) != math.isnan(s.shaft[k, 4])
+        if RIGID < poisson < (LEAST if half else 0.0):
+            s.refused[0] = poisson
+            return NO_METAL
         section = circular_section(outer, inner, youngs_modulus, shear_modulus, density)
         end += length
         s.sections[k, 0], s.sections[k, 1], s.sections[k, 2] = end, section.bending, section.shear
@@ -130,6 +146,8 @@ def mesh_status(s, p, e):
         if is_disk(s.disk_rows[k]):
             if not add_place(s.disk_rows[k, 0], count, s):
                 return DISK_BEYOND
+            if s.disk_rows[k, 2] > THIN * s.disk_rows[k, 3]:
+                return NO_BODY
             count += 1
     for k in range(s.supports.shape[0]):
         if not add_place(support_place(k, s, e), count, s):

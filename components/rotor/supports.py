@@ -69,7 +69,7 @@ def supports_of(table_text: str, where: str) -> tuple[np.ndarray, np.ndarray]:
     table.only(("position", speed, *COEFFICIENTS), ", ".join(("position", "speed", *COEFFICIENTS)))
     if not table.rows:
         raise BadInput(where, "no row", "a row for each support")
-    place = _numbers(table, "position", "m")
+    place = np.round(_numbers(table, "position", "m"), 9)  # "300 mm" and "0.3 m" in cells are one support
     rows = np.zeros((place.size, 1 + len(COEFFICIENTS)))
     for k, name in enumerate((speed, *COEFFICIENTS)):
         name = name if table.place(name) is not None or name in ("kxx", "cxx") else LIKE.get(name, name)

@@ -13,7 +13,8 @@ from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import flag, input_, output, parameter, text
 from .pump_table import operating_point, prepare, pump_curves
 
-BEYOND_EFFICIENCY = OWN + 1
+BEYOND_EFFICIENCY, ABOVE_UNITY = OWN + 1, OWN + 2
+ALL = 1.0 + 1e-9  # an efficiency of 1, and its rounding
 
 
 class SealFriction(Effect):
@@ -85,11 +86,17 @@ class CentrifugalPump(StatelessComponent):
             "a curve that reaches {reach[0]} times best_flow",
             "less than twice, where the efficiency vanishes",
             "Raise best_flow or curve_drop.",
-        )
+        ),
+        ABOVE_UNITY: Refusal(
+            "a row of curve_table.table whose power gives an efficiency of {reach[0]}",
+            "a power at the shaft of at least rho g H Q",
+            "Are its power in W or kW, and its flow in l/s or m3/h?",
+        ),
     }
 
     def shapes(self) -> dict[str, Any]:
-        """`reach`: largest flow at the rated speed over the best one.  `curves`: see `PumpCurves`; None without a table.
+        """`reach`: largest flow at the rated speed over the best one; an efficiency that cannot be.
+        `curves`: see `PumpCurves`; None without a table.
 
         `noted`: speed, rad/s, head, m, and time, s, of the first step that ended behind the table; zeros until then.
         """
@@ -133,6 +140,12 @@ def pump_start(t, s, p, e):
     """Whether the parabola stays where the efficiency is known; the rates of a table."""
     if e.curve_table is not None:
         prepare(s.curves, p.density * p.gravity)
+        last = s.curves.flows.size - 1
+        for i in range(last + 1):
+            given = p.density * p.gravity * s.curves.heads[last - i] * s.curves.flows[i]
+            if s.curves.powers[i] < 0.0 or given > s.curves.powers[i] * ALL:
+                s.reach[0] = given / s.curves.powers[i] if s.curves.powers[i] != 0.0 else math.inf
+                return ABOVE_UNITY
         return DONE
     s.reach[0] = flow_at(1.0, p.shutoff_head, p.linear_drop, p.curve_drop) / p.best_flow
     return DONE if s.reach[0] < 2.0 else BEYOND_EFFICIENCY

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 from ..core.component import Effect, Preset
@@ -21,6 +22,7 @@ LARGEST_NUMBER = 1e12  # of a ratio: where the wind dies under a turning rotor, 
 LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
 STEEPNESS = 400  # pieces of the curve whose slopes are compared, up to the largest ratio
+ROUNDED = 1e-9  # degrees by which a pitch in rad misses that of a row
 PITCHES, MOST_PITCH = 90, 90.0  # pitches at which they are compared, and the largest, degrees: a feathered blade
 ABOVE_BETZ, STATIC_BELOW_KINETIC = OWN + 1, OWN + 2
 
@@ -37,7 +39,8 @@ class PerformanceTable(Effect):
     A CSV table with a header and one column of `power_coefficient` or `torque_coefficient` over `tip_speed_ratio`, and, where needed,
     `pitch [deg]`: the same ratios for each pitch; without the effect `pitch` that of 0 counts. Between the ratios a cubic without
     overshoot of the torque coefficient, between the pitches a straight line; before the first and behind the last row the coefficient
-    stays as it is. So the table has to end at runaway, where the power is 0 or negative. At a ratio of 0 a power coefficient says
+    stays as it is, and a run warns of a pitch beyond those of the table. So the
+    table has to end at runaway, where the power is 0 or negative. At a ratio of 0 a power coefficient says
     nothing of the torque: such a row is left out, and a rotor starts with the torque coefficient of the next one.
     """
 
@@ -136,7 +139,10 @@ class WindTurbine(EventComponent):
         return 3 if "bearing_friction" in self.on else 2
 
     def shapes(self) -> dict[str, Any]:
-        """`largest`: power coefficient of the farm windmill at its best.  `performance`: see `Performance`; None without a table."""
+        """`largest`: power coefficient of the farm windmill at its best.  `performance`: see `Performance`; None without a table.
+
+        `noted`: whether a pitch lay beyond the table's, the first one, degrees, and its time, s; None without both.
+        """
         performance = None
         if "performance_table" in self.on:
             performance = performance_of(str(self.parameters["performance_table.table"]), "pitch" in self.on, self.name)
@@ -147,7 +153,24 @@ class WindTurbine(EventComponent):
                 "a curve that knows pitch: heier, simple or variant",
                 "Choose another curve, or leave the effect off.",
             )
-        return super().shapes() | {"largest": 1, "performance": performance}
+        noted = 3 if performance is not None and "pitch" in self.on else None
+        return super().shapes() | {"largest": 1, "performance": performance, "noted": noted}
+
+    def _initialize(self, t: float) -> int:
+        self._warned = False
+        return super()._initialize(t)
+
+    def stepped(self, t: float) -> None:
+        """As of any component; warns once of a pitch beyond those of the table."""
+        super().stepped(t)
+        noted = self.arguments[0].noted
+        if noted is not None and noted[0] > 0.0 and not self._warned:
+            self._warned = True
+            warnings.warn(
+                f"{self.name}: at t = {noted[2]:.4g} s the pitch of {noted[1]:.4g} deg lies beyond those of performance_table.table; "
+                "the nearest one of the table counts",
+                stacklevel=2,
+            )
 
     def energy(self) -> float:
         """Energy of rotation, J."""
@@ -269,6 +292,10 @@ def turbine_outputs(t, s, p, e):
     if wind > 0.0 and wind**3 > 0.0 and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
         y[OUT.power_coefficient] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
         y[OUT.tip_speed_ratio] = x[0] * p.radius / wind
+    if s.noted is not None and e.pitch is not None:
+        degrees, pitches = u[e.pitch.u] / DEGREE, s.performance.pitches
+        if s.noted[0] == 0.0 and not pitches[0] - ROUNDED <= degrees <= pitches[-1] + ROUNDED:
+            s.noted[0], s.noted[1], s.noted[2] = 1.0, degrees, t
     return DONE
 
 

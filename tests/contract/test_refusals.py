@@ -56,6 +56,8 @@ REFUSED = [  # component, effects, parameters, words
     ("Pantograph", ("aerodynamic_uplift", "wire_unevenness"), {"wire_unevenness.shortest": 70.0}, "below the"),
     ("Pantograph", ("aerodynamic_uplift", "lift_fluctuation"), {"lift_fluctuation.lowest": 30.0}, "below the"),
     ("BeamRotor", ("disks", "unbalance"), {"unbalance.moment[3]": 1e-3}, r"unbalance.moment\[3\] without disk 3"),
+    ("BeamRotor", (), {"youngs_modulus": 70e9}, "Poisson's ratio -0.56.*Give both moduli"),
+    ("BeamRotor", ("disks",), {"disks.polar_inertia[2]": 1.0}, "a disk at 1 m with a polar inertia"),
     ("BeamRotor", BESIDE, {"watched_position": 1.6}, "watched_position at 1.6 m"),
     ("BeamRotor", BESIDE, {"disks.position[2]": 2.0}, "a disk at 2 m"),
     ("BeamRotor", BESIDE, {"bearing_b.position": 1.51}, "a bearing at 1.51 m"),

@@ -167,6 +167,9 @@ def test_critical_speeds_of_supports_that_follow_the_speed():
         ("disk_table", "position [m],mass [kg],m [kg],Ip [kg.m2],Id [kg.m2]\n0,1,1,1,1\n", "2 columns of mass"),
         ("disk_table", "position [m],Ip [kg.m2],Id [kg.m2]\n0,1,1\n", "0 columns of mass"),
         ("disk_table", DISK + "1.6,10,0.1,0.1\n", "a disk at 1.6 m"),
+        ("disk_table", DISK + "0.6,10,0.22,0.1\n", "a disk at 0.6 m with a polar inertia.*Are Ip and Id exchanged"),
+        ("support_table", "position [m],frequency [Hz],kxx [N/m],cxx [N.s/m]\n0,20,1e6,1\n", "1 Hz or 1 1/s is 60 rpm"),
+        ("support_table", "position [m],kxx [N/m],cxx [N.s/m]\n300 mm,1e6,1\n0.3,1e6,1\n", "line 3: .* support at 0.3 m"),
     ],
 )
 def test_a_table_that_cannot_be_used_is_one_message(effect, table, expected):

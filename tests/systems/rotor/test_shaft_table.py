@@ -117,6 +117,11 @@ def test_a_uniform_shaft_cut_in_three_is_the_uniform_shaft():
         ("length [mm];diameter [mm]\n500;50\n", "column 'diameter "),
         ("length;outer_diameter [mm]\n500;50\n", "a name with its unit"),
         ("length [mm];outer_diameter [mm];youngs_modulus [GPa]\n500;50;500\n", "Poisson's ratio"),
+        (
+            "length [mm];outer_diameter [mm];youngs_modulus [GPa]\n500;50;70\n",
+            "Poisson's ratio -0.56.*Give both moduli",
+        ),  # aluminium
+        ("length [mm];outer_diameter [mm];youngs_modulus [GPa]\n500;50;170\n", "Poisson's ratio 0.046.*Give both"),  # cast iron
     ],
 )
 def test_a_table_of_sections_that_cannot_be_used_is_one_message(table, expected):

@@ -117,6 +117,20 @@ def test_a_table_of_a_turbine_that_cannot_be_used_is_one_message(table, effects,
         turbine(table, effects)
 
 
+def test_a_pitch_beyond_those_of_the_table_is_told_once():
+    unit = turbine(AFFINE, ("pitch",))
+    unit.set("pitch.angle", np.deg2rad(10.0))  # the last one
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        unit.step(0.0, 0.01)
+    unit.set("pitch.angle", 0.5)
+    with pytest.warns(UserWarning, match=r"at t = 0.02 s the pitch of 28.65 deg lies beyond those of performance_table.table"):
+        unit.step(0.01, 0.01)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        unit.step(0.02, 0.01)
+
+
 # -- the pump ------------------------------------------------------------------------------------------------------------
 def sheet(last=2.0, efficiency=True) -> str:
     """The default pump's parabolas as rows, 0.05 l/s apart."""
@@ -168,6 +182,8 @@ def test_behind_the_last_row_it_goes_on_straight_and_warns_once():
         ("flow [l/s],head [m],efficiency [%]\n0,30,0\n1,20,50\n", "three rows or more"),
         ("flow [l/s],head [m],efficiency\n0,30,0\n1,20,50\n2,9,40\n", "at most 1"),
         ("flow,head [m],power [W]\n0,30,100\n1,20,200\n", "a name with its unit"),
+        ("flow [l/s],head [m],power [W]\n0,30,0.18\n0.6,27,0.315\n", "an efficiency of 504.*W or kW"),
+        ("flow [l/s],head [m],power [W]\n0,30,100\n1,20,0\n", "an efficiency of inf"),
     ],
 )
 def test_a_data_sheet_that_cannot_be_used_is_one_message(table, expected):
