@@ -61,9 +61,9 @@ class FourBar(StatelessComponent):
     `least_transmission_angle`. A linkage in which all links can lie in one line has change points, where two assemblies meet:
     `change_point` says how it goes on, "through" without a kink, as bodies with inertia do, or "fold" within its assembly.
     The exact root is used there, so that position, ratio and torque have no gap.
-    Sandow (2020), of which the abstract was at hand, calls the wrist a linkage of two gears and four bars. That a gear of it is
-    such a unit, one for the sagittal and one for the coronal plane with the proximal row between two in series, is our reading,
-    and so are all lengths: the defaults are a textbook crank-rocker of the size of a carpus.
+    Sandow (2020), of which the abstract was at hand, calls the wrist a linkage of two gears and four bars. The two rows of `Wrist`
+    are four-bars of long arcs on a sphere (case `paper-wrist`), of which this planar one is the limit of short arcs: its
+    lengths are not those of a wrist, the defaults are a textbook crank-rocker of the size of a carpus.
     """
 
     title = "Planar four-bar linkage"

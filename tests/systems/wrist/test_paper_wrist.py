@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from cosimo.components.wrist.kinematics import forward, inverse
 from cosimo.components.wrist.ligament_springs import COUNT, attachments
+from cosimo.components.wrist.linkage import Linkage, position
 from cosimo.orchestrator.systems.wrist.cases.paper_wrist.constraints import _strains, widest_in_closed_form
+from cosimo.orchestrator.systems.wrist.cases.paper_wrist.four_bars import arcs, rocker_angle
 from cosimo.orchestrator.systems.wrist.cases.paper_wrist.load import FIRST, SECOND, column, wrist_load
 from cosimo.orchestrator.systems.wrist.cases.paper_wrist.postures import DEVIATIONS, FLEXIONS, STANDARD, TILTS, _rotation, axes
 from scipy.spatial.transform import Rotation
@@ -83,3 +85,27 @@ def test_ends_that_keep_a_ligament_isometric_are_those_of_the_closed_form():
     lever, angle = 12e-3, 0.7 * most
     length = math.sqrt(lever**2 + r**2 - 2.0 * lever * r * math.cos(angle))
     assert length / (lever - r) == pytest.approx(1.05, rel=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_spherical_four_bar_of_short_arcs_is_the_planar_one(sign):
+    lengths = np.array([0.055, 0.020, 0.050, 0.040])  # ground, crank, coupler, rocker
+    planar = Linkage(0.020, 0.050, 0.040, 0.055, sign, 0.0, 0.0)
+    for angle in (0.3, 1.5, 3.0, 5.0):
+        off = rocker_angle(angle, -sign, *(1e-2 * lengths)) - position(angle, planar)[0]
+        assert math.remainder(off, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", TILTS)
+def test_the_rows_in_one_plane_are_the_closed_forms_of_their_four_bars(name):
+    """Of other tilts, too, and by the tangents, which the general linkage does not use."""
+    at = axes(name)
+    e = math.tan(at.proximal_tilt + at.distal_tilt)
+    s, c = math.sin(at.proximal_tilt), math.cos(at.proximal_tilt)
+    for f, d in ((0.9, 0.0), (-0.4, 0.0), (0.0, 0.3), (0.0, -0.4)):
+        q1 = inverse(f, d, at)[0]
+        plane = int(d != 0.0)
+        below = c + e * s * math.cos(q1) if plane else e * c * math.cos(q1) - s
+        assert math.atan(math.sin(q1) * e / below) == pytest.approx(f + d, abs=1e-12)
+        crank, sign = (q1 + math.pi, -1.0) if plane else (q1, 1.0)
+        assert rocker_angle(crank, sign, *arcs(plane, at)) == pytest.approx(0.5 * math.pi + f + d, abs=1e-12)
