@@ -90,27 +90,29 @@ def test_disks_from_a_table_in_any_order_are_those_without():
 
 
 def test_a_run_up_follows_the_rows():
-    """Through a row at 1000 rad/s²: an independent integration of the equations with the matrices of each instant's speed."""
+    """Through a row at 1000 rad/s²: an independent integration of the equations between the matrices of the rows."""
     effects = ("disks", "gyroscopic", "unbalance", "support_table", "run_up")
     right = ROWS.replace("0,100,", "1.5,100,").replace("0,300,", "1.5,300,")
     middle = "0,200,2e5,2e5,-2e5,6e5,200,0,0,300\n"
     first, last = ROWS.splitlines(keepends=True)
-    given = {"start_speed": 190.0, "run_up__acceleration": 1000.0, "run_up__end_speed": 215.0, "substep": 1e-5, "element": 0.75}
+    given = {"start_speed": 190.0, "run_up__acceleration": 1000.0, "run_up__end_speed": 215.0, "substep": 4e-5, "element": 0.75}
     unit = rotor(effects, support_table__table=HEAD + first + middle + last + right, watched_position=0.0, **given)
-    at, N = unit.matrices, 4 * unit.nodes.size
-    mass = at().mass
+    low, row, high = (unit.matrices(v) for v in (100.0, 200.0, 300.0))  # rows; linear between them
+    N, inverse = 4 * unit.nodes.size, np.linalg.inv(row.mass)
     node = int(np.abs(unit.nodes - 0.5).argmin())
 
     def rate(t, z):
         turning = t < 0.025
         speed = 190.0 + 1000.0 * t if turning else 215.0
         gained = 190.0 * t + 500.0 * t * t if turning else 190.0 * 0.025 + 500.0 * 0.025**2 + 215.0 * (t - 0.025)
-        m, force = at(speed), np.zeros(N)
+        near, share, force = low if speed < 200.0 else high, abs(speed - 200.0) / 100.0, np.zeros(N)
+        stiffness = row.stiffness + share * (near.stiffness - row.stiffness)
+        damping = row.damping + share * (near.damping - row.damping)
         ahead, beside = 1e-3 * speed**2, 1e-3 * 1000.0 * turning
         force[4 * node] = ahead * np.cos(gained) + beside * np.sin(gained)
         force[4 * node + 1] = ahead * np.sin(gained) - beside * np.cos(gained)
-        force -= m.stiffness @ z[:N] + (m.damping + speed * m.gyroscopic) @ z[N:]
-        return np.concatenate((z[N:], np.linalg.solve(mass, force)))
+        force -= stiffness @ z[:N] + (damping + speed * row.gyroscopic) @ z[N:]
+        return np.concatenate((z[N:], inverse @ force))
 
     start = unit.x[: 2 * N].copy()
     exact = start
