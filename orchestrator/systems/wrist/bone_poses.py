@@ -9,6 +9,9 @@ for a person 66582:
                                     the palm to the back of the hand, or reversed), and the origin
     LeftInfo/66582_inertia_L.dat    five lines a bone: centroid, moments of inertia, three lines of axes
 
+The same lines are found with the names of the group's own folders, S01L/Motion15L01L.dat, S15L/AnatCoordSys.dat and
+S15L/inertia15L.dat, where 15L is the neutral posture.
+
 A left wrist may be mirrored there or not. So the signs of the axes are taken from the centroids:
 the capitate is farther along than the radius, the trapezium lies radially of the triquetrum, the pisiform towards the palm.
 """
@@ -32,6 +35,7 @@ BONES = ("rad", "uln", "sca", "lun", "trq", "pis", "tpd", "tpm", "cap", "ham", "
 ROW = ("sca", "lun", "trq")
 USED = (*ROW, "cap", "ham")
 SIDES = {"L": "Left", "R": "Right"}
+STILL = 1e-6  # bones that were not registered have the matrix of the radius
 SQUARE = 1e-3  # largest deviation of a matrix from a rotation; files have six decimals
 
 
@@ -42,16 +46,19 @@ def read_bones(folder: Path, side: str = "") -> dict[str, Rotation]:
     """
     from scipy.spatial.transform import Rotation
 
-    motions = sorted(folder.glob(f"[0-9][0-9][{side or 'LR'}]/*_Motion[0-9][0-9][LR].dat"))
+    own = f"S[0-9][0-9][{side or 'LR'}]/Motion[0-9][0-9][LR][0-9][0-9][LR].dat"
+    motions = sorted(folder.glob(f"[0-9][0-9][{side or 'LR'}]/*_Motion[0-9][0-9][LR].dat")) or sorted(folder.glob(own))
     sides = {path.parent.name[-1] for path in motions}
     if len(sides) != 1:
-        actual = "postures of both sides" if sides else "no files such as 01L/66582_Motion01L.dat"
+        actual = "postures of both sides" if sides else "no files such as 01L/66582_Motion01L.dat or S01L/Motion15L01L.dat"
         raise BadInput(
             str(folder), actual, "a person's folder of one side", "Give the side with --side L or --side R." if sides else ""
         )
-    (one,) = sides
-    info, person = folder / f"{SIDES[one]}Info", motions[0].name.split("_Motion")[0]
-    radius, inertia = (_lines(info / f"{person}_{what}_{one}.dat", n) for what, n in (("RCS", 4), ("inertia", 75)))
+    (one,), (person, neutral) = sides, motions[0].stem.split("Motion")
+    info, names = folder / f"{SIDES[one]}Info", (f"{person}RCS_{one}.dat", f"{person}inertia_{one}.dat")
+    if not person:
+        info, names = folder / f"S{neutral[:3]}", ("AnatCoordSys.dat", f"inertia{neutral[:3]}.dat")
+    radius, inertia = (_lines(info / name, n) for name, n in zip(names, (4, 75), strict=True))
     _check(radius[:3], info)
     places = dict(zip(BONES, inertia[::5] @ radius[:3], strict=True))
     apart = np.array([places["cap"] - places["rad"], places["tpm"] - places["trq"], places["pis"] - places["trq"]])
@@ -67,6 +74,10 @@ def read_bones(folder: Path, side: str = "") -> dict[str, Rotation]:
         for bone in USED:
             matrix = blocks[0].T @ blocks[BONES.index(bone)]
             _check(matrix, path, bone)
+            if np.abs(matrix - np.eye(3)).max() < STILL:
+                raise BadInput(
+                    str(path), f"{bone} at rest on the radius", "a posture of registered bones", "Leave out the neutral one."
+                )
             turned[bone][k] = frame.T @ matrix @ frame
     return {bone: Rotation.from_matrix(matrices) for bone, matrices in turned.items()}
 

@@ -52,6 +52,7 @@ def figures(bones: Mapping[str, Rotation]) -> dict[str, float]:
     halves.error: of the row's flexion by axes of one half in the other one, halves.control: of equal shares, over all halves.
     """
     hand, row = bones["cap"], proximal_row(bones)
+    axes = fit_axes(row.as_rotvec(), hand.as_rotvec())  # first, as it refuses what is too little
     half = type(hand).from_rotvec(0.5 * hand.as_rotvec())
     control, between = left_about_one_axis(half), row.inv() * hand
     carried = left_about_one_axis(between)
@@ -75,7 +76,6 @@ def figures(bones: Mapping[str, Rotation]) -> dict[str, float]:
     measured |= {"share": by[0, 2], "share.error": errors[0, 2], "per.deviation": by[1, 2], "per.deviation.error": errors[1, 2]}
     kept = [np.delete(np.arange(len(hand)), k) for k in range(len(hand))]
     others = [apart(per_posture(postures[k], row[k].as_rotvec())[0]) for k in kept]
-    axes = fit_axes(row.as_rotvec(), hand.as_rotvec())
     for k, name in enumerate(("proximal", "distal")):
         measured |= {f"tilt.{name}": math.degrees(axes.tilts[k]), f"tilt.{name}.error": math.degrees(axes.errors[k])}
     measured |= {"apart": apart(by), "apart.error": math.sqrt(len(others) - 1.0) * float(np.std(others))}

@@ -1,6 +1,7 @@
 """Matrices of bones as databases have them: poses of the component come back, whatever the scanner's axes; wrong files are told."""
 
 import math
+import shutil
 
 import numpy as np
 import pytest
@@ -48,9 +49,21 @@ def write(folder, model=RULES, side="L", mirror=1.0):
     return folder
 
 
-@pytest.mark.parametrize("mirror", [1.0, -1.0])
-def test_bones_turn_as_they_were_written(tmp_path, mirror):
-    bones = read_bones(write(tmp_path / "1", mirror=mirror))
+def renamed(folder):
+    """The folder with the names of the group's own files."""
+    for path in folder.glob("??L"):
+        path.rename(folder / f"S{path.name}")
+    for path in folder.glob("S??L/*"):
+        path.rename(path.with_name(f"Motion15L{path.stem[-3:]}.dat"))
+    (folder / "LeftInfo").rename(folder / "S15L")
+    (folder / "S15L" / "1_RCS_L.dat").rename(folder / "S15L" / "AnatCoordSys.dat")
+    (folder / "S15L" / "1_inertia_L.dat").rename(folder / "S15L" / "inertia15L.dat")
+    return folder
+
+
+@pytest.mark.parametrize(("mirror", "named"), [(1.0, lambda folder: folder), (-1.0, renamed)])
+def test_bones_turn_as_they_were_written(tmp_path, mirror, named):
+    bones = read_bones(named(write(tmp_path / "1", mirror=mirror)))
     row, hand = wrist(RULES)
     np.testing.assert_allclose(proximal_row(bones).as_matrix(), row, atol=1e-12)
     np.testing.assert_allclose(bones["cap"].as_matrix(), hand, atol=1e-12)
@@ -97,3 +110,10 @@ def test_a_folder_ends_as_settings_and_a_wrong_one_in_a_message(tmp_path, capsys
     for wrong, told in ((text[:-30], "60 lines"), (text.replace(text.split()[0], "2.0", 1), "no rotation"), ("x", "60 lines")):
         path.write_text(wrong)
         refused([str(tmp_path / "2")], told, capsys)
+    numbers = np.array(text.split(), float).reshape(15, 4, 3)
+    numbers[BONES.index("lun")] = numbers[0]
+    np.savetxt(path, numbers.reshape(60, 3))
+    refused([str(tmp_path / "2")], "lun at rest on the radius", capsys)
+    for k in range(3, 9):
+        shutil.rmtree(tmp_path / "2" / f"{k:02}L")
+    refused([str(tmp_path / "2")], "2 postures", capsys)
