@@ -22,6 +22,8 @@ from scipy.optimize import brentq
 
 from ..core.errors import BadInput
 
+LARGEST = 10.0  # m, of a journal: above the largest of hydroelectric plants (a bound of ours)
+THIN = 0.01  # clearance over diameter: usual are 5e-4 to 2e-3 (handbooks), and Reynolds' equation leaves out its curvature
 CLOSE = 1e-9  # of the gap, beyond which the journal touches and no load is found
 
 
@@ -63,6 +65,11 @@ def film_state(bearing: ShortBearing, load: tuple[float, float], speed: float) -
     for name, value in bearing._asdict().items():
         if not value > 0.0:
             raise BadInput("short bearing", f"{name} = {value:g}", "more than 0")
+    if bearing.diameter > LARGEST or bearing.clearance > THIN * bearing.diameter:
+        sizes = f"a diameter of {bearing.diameter:g} m with a radial clearance of {bearing.clearance:g} m"
+        raise BadInput(
+            "short bearing", sizes, "a film far thinner than the journal", "Are these mm? Lengths without a unit are m."
+        )
     weight = math.hypot(*load)
     if not (speed > 0.0 and 0.0 < weight < math.inf):
         raise BadInput(

@@ -8,6 +8,7 @@ factor behind it), with integer exponents ("N.s/m", "kg.m2", "1/s", "m/s2"). In 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .errors import BadInput, decimal_point, nearest
@@ -192,11 +193,20 @@ def is_quantity(text: object) -> bool:
     return isinstance(text, str) and _WRITTEN.fullmatch(text) is not None
 
 
-def number_before(text: str) -> float:
-    """The number of a text such as "250 km/h", 250, whatever its unit."""
-    match = _WRITTEN.fullmatch(text)
-    assert match is not None
-    return float(match[1])
+def refuse_mixed(given: Sequence[object], numbers: Sequence[object], where: str) -> None:
+    """Raise `BadInput` for a number alone beside one whose unit scales it, as in 200 and "250 km/h": 0 is 0 in both, and % is plain.
+
+    given: texts and numbers as they are written; numbers: what they come to.
+    """
+    alone = ""
+    for written, number in zip(given, numbers, strict=True):
+        if not is_quantity(written) and isinstance(number, int | float) and not isinstance(number, bool) and number:
+            alone = alone or f"{number:g}"
+    for written, number in zip(given, numbers, strict=True):
+        match = _WRITTEN.fullmatch(written) if isinstance(written, str) else None
+        if alone and match is not None and "%" not in match[2] and number not in (written, float(match[1])):
+            remedy = f'Write "{alone} {match[2]}".'
+            raise BadInput(where, f"{alone} beside {written!r}", "a unit at each number, or at none", remedy)
 
 
 def number_in(text: str, unit: str, where: str, defined: Unit | None = None, relative: bool = False) -> float:

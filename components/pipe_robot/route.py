@@ -16,6 +16,7 @@ from ..core.table_curve import between, monotone_rates, read_curve, row_before
 from ..core.variables import input_, output, parameter, text
 
 KNOTS = 8
+STEEPEST = 1.5708  # rad, 90 degrees
 DISORDER = OWN + 1  # status
 
 
@@ -48,7 +49,7 @@ class PipeRoute(StatelessComponent):
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
     slope_table = parameter(
-        0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708, high=1.5708
+        0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-STEEPEST, high=STEEPEST
     )
     diameter_table = parameter(0.2, "m", "diameters at the places", size=KNOTS, low=1e-6)
     factor_table = parameter(1.0, "1", "friction at the places over what it is elsewhere", size=KNOTS, low=0.0)
@@ -88,6 +89,10 @@ def surveyed(text: str, where: str) -> np.ndarray:
         raise BadInput(where, f"a diameter of {columns['diameter'].min():g} m", "positive ones")
     if columns.get("friction_factor", np.ones(1)).min() < 0.0:
         raise BadInput(where, f"a friction factor of {columns['friction_factor'].min():g}", "0 or more")
+    if (steepest := np.abs(columns.get("slope", np.zeros(1))).max()) > STEEPEST:
+        raise BadInput(
+            where, f"a slope of {steepest:.4g} rad", "slopes from -90 to 90 degrees", "Is its unit that of the header?"
+        )
     none = np.zeros_like(columns["position"])
     return np.array(
         (columns["position"], columns.get("slope", none), columns["diameter"], columns.get("friction_factor", none + 1.0))

@@ -12,7 +12,7 @@ from typer import Option
 from ...components.core.errors import BadInput
 from ..output import ensure_directory
 from .common import group, print_table, print_written, status_spinner, warn
-from .options import Output, listed, number_given, parameters_of
+from .options import Output, listed, number_given, numbers_given, parameters_of
 
 if TYPE_CHECKING:
     from ..systems.bearings.support_tables import SupportRow
@@ -98,7 +98,7 @@ def film(
 
 
 def _load(text: str, least: int) -> tuple[float, float, float]:
-    parts = [number_given(part, "N", "--load") for part in listed("--load", [text])]
+    parts = numbers_given(text, "N", "--load")
     if len(parts) not in (2, 3):
         raise BadInput("--load", repr(text), "numbers along x and y" + (" and z" if least == 3 else ""), "As in --load 0,-500.")
     x, y, z = [*parts, 0.0][:3]
@@ -106,7 +106,7 @@ def _load(text: str, least: int) -> tuple[float, float, float]:
 
 
 def _speeds(text: str) -> list[float]:
-    values = [number_given(part, "rad/s", "--speeds") for part in listed("--speeds", [text])]
+    values = numbers_given(text, "rad/s", "--speeds")
     if any(b <= a for a, b in pairwise(values)):
         raise BadInput("--speeds", repr(text), "speeds that rise")
     return values

@@ -7,14 +7,14 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from typer import Argument, BadParameter, Option
 
 from ...components.core.errors import BadInput, decimal_point
-from ...components.core.measure import OTHERWISE, bare_number, is_quantity, number_in
+from ...components.core.measure import OTHERWISE, bare_number, is_quantity, number_in, refuse_mixed
 from ..delivery import PAPERS, PLACES, delivered
 from .completion import parameters, presets, scenes
 
@@ -223,10 +223,20 @@ def number_given(text: str, unit: str, option: str, *, bare: bool = True) -> flo
     try:
         value = bare_number(text)
     except ValueError:
-        raise BadInput(option, repr(text), f"a number in {unit}, or with its unit", decimal_point(text)) from None
+        value = nan
+    if not isfinite(value):
+        raise BadInput(option, repr(text), f"a number in {unit}, or with its unit", decimal_point(text))
     if not bare and unit in OTHERWISE:
         raise BadInput(option, repr(text), "a number with its unit", f"{text} {OTHERWISE[unit]} or {text} {unit}?")
     return value
+
+
+def numbers_given(text: str, unit: str, option: str) -> list[float]:
+    """Numbers separated by commas, all in one unit, or each with its own; raises `BadInput`."""
+    parts = listed(option, [text])
+    values = [number_given(part, unit, option) for part in parts]
+    refuse_mixed(parts, values, option)
+    return values
 
 
 def share(option: str, text: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from math import inf
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ...components.core.columns import name_and_unit
 from ...components.core.errors import BadInput, nearest
-from ...components.core.measure import conversion_of, is_quantity, number_before, number_in, plain
+from ...components.core.measure import conversion_of, is_quantity, number_in, plain, refuse_mixed
 from ...components.core.variables import Causality, Kind
 from ..settings.model import flattened
 from ..settings.names import split_name
@@ -78,26 +78,13 @@ def axes_with_numbers(axes: Mapping[str, Any], units: Mapping[str, Any], where: 
         elif isinstance(value, Mapping) and _has_quantity(value):
             changed[key] = {k: _in_axis(name, v, units, where) for k, v in value.items()}
             own = [k for k in value if k != "points"]
-            _refuse_mixed([value[k] for k in own], [changed[key][k] for k in own], f"{where}: {name}")
+            refuse_mixed([value[k] for k in own], [changed[key][k] for k in own], f"{where}: {name}")
         elif isinstance(value, list | tuple) and any(map(is_quantity, value)):
             changed[key] = [_in_axis(name, v, units, where) for v in value]
-            _refuse_mixed(value, changed[key], f"{where}: {name}")
+            refuse_mixed(value, changed[key], f"{where}: {name}")
         else:
             changed[key] = value
     return changed
-
-
-def _refuse_mixed(given: Sequence[Any], numbers: Sequence[Any], where: str) -> None:
-    """Raise `BadInput` for a number alone beside one whose unit scales it, as in 200 and "250 km/h": 0 is 0 in both, and % is plain."""
-    scaled = [
-        g for g, n in zip(given, numbers, strict=True) if is_quantity(g) and n not in (g, number_before(g)) and "%" not in g
-    ]
-    alone = [g for g in given if isinstance(g, int | float) and not isinstance(g, bool) and g]
-    if scaled and alone:
-        unit = scaled[0].strip().lstrip("+-.eE0123456789").strip()
-        raise BadInput(
-            where, f"{alone[0]:g} beside {scaled[0]!r}", "a unit at each number, or at none", f'Write "{alone[0]:g} {unit}".'
-        )
 
 
 def _in_axis(name: str, value: Any, units: Mapping[str, Any], where: str) -> Any:
@@ -132,7 +119,7 @@ def _converted(value: Any, name: str, kind: UnitKind) -> Any:
         return {key: _converted(inner, f"{name}.{key}" if name else str(key), kind) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         numbers = [_converted(inner, name, kind) for inner in value]
-        _refuse_mixed(value, numbers, name)
+        refuse_mixed(value, numbers, name)
         return numbers
     return kind.number_of(name, value) if is_quantity(value) else value
 

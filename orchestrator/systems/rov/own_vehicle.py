@@ -41,6 +41,9 @@ VECTORS = ("inertia", "centre_of_gravity", "centre_of_buoyancy")
 MATRICES = {"added_mass": "added_mass", "linear_damping": "linear_drag", "quadratic_damping": "quadratic_drag"}
 KEYS = ("title", "source", "axes", "signs", *NUMBERS, *VECTORS, *MATRICES, "thrusters")
 UNEQUAL = 1e-3  # of what both have on the diagonal: by so much two halves of a printed added mass may differ
+BOUNDS = {"density": (500.0, 2000.0), "depth": (0.0, 12e3), "thrust_ahead": (0.0, 1e6), "thrust_astern": (0.0, 1e6)}
+FAR = 5.0  # buoyancy over weight, and places over the largest radius of gyration: a rod's end has 1.7 of it, kg for N is 9.8
+HEAVY = 20.0  # added mass over mass: a vehicle of thin plates has 3
 DEFAULT_MASS = 11.5  # kg, of the vehicle that the controller's gains are for
 GAINS = {  # of the controller -> power of the ratio of lengths that keeps the motion similar (Froude): mass 3, time 1/2
     "position_gain": 2.0,
@@ -136,7 +139,47 @@ def read_vehicle(path: Path) -> dict[str, Any]:
         vehicle[key] = np.array(
             [array(t.get(key), (3,), f"{path}: thrusters[{i}].{key}") * flip[:3] for i, t in enumerate(thrusters, 1)]
         )
+    for i, thruster in enumerate(thrusters, 1):
+        for key in thruster:
+            pick(key, ("position", "direction"), f"{path}: thrusters[{i}]", "position and direction", "key")
+    _refuse_other_units(vehicle, str(path))
     return vehicle
+
+
+def _refuse_other_units(vehicle: Mapping[str, Any], where: str) -> None:
+    """Raise `BadInput` for numbers that no vehicle has in SI units: most are in kg for N, in mm, or of another sign."""
+    mass, inertia, force = vehicle["mass"], vehicle["inertia"], vehicle["weight"]
+
+    def refuse(wrong: bool, key: str, actual: str, expected: str, remedy: str = "") -> None:
+        if wrong:
+            raise BadInput(f"{where}: {key}", actual, expected, remedy)
+
+    for key, (low, high) in BOUNDS.items():
+        number = vehicle[key]
+        refuse(
+            not low <= number <= high,
+            key,
+            f"{number:g}",
+            f"{low:g} to {high:g}",
+            "All numbers are in SI units; depth is downwards.",
+        )
+    refuse(min(mass, *inertia) <= 0.0, "mass, inertia", f"{mass:g}, {inertia.tolist()}", "numbers above 0")
+    over = inertia.max() / (inertia.sum() - inertia.max())
+    refuse(over > 1.01, "inertia", f"{inertia.tolist()}", "none above the sum of both others, as of any body")
+    own = mass * STANDARD_GRAVITY
+    refuse(not 0.9 < force / own < 1.1, "weight", f"{force:g} N", f"{own:g} N, mass times g, or no weight", "It is a force.")
+    lift = vehicle["buoyancy"] / force
+    refuse(not 1.0 / FAR < lift < FAR, "buoyancy", f"{lift:.3g} of the weight", "nearly the weight, N", "It is a force.")
+    size = FAR * (float(inertia.max()) / mass) ** 0.5
+    places = {**{key: vehicle[key] for key in VECTORS[1:]}, "thrusters": vehicle["position"]}
+    for key, place in places.items():
+        lever = float(np.linalg.norm(place, axis=-1).max())
+        refuse(lever > size, key, f"a place {lever:g} m from the origin", f"at most {size:.2g} m with this mass and inertia")
+    if "added_mass" in vehicle:
+        share = vehicle["added_mass"].diagonal()[:3].max() / mass
+        refuse(
+            share > HEAVY, "added_mass", f"{share:.3g} times the mass", f"at most {HEAVY:g} times", "Check density and length."
+        )
 
 
 def symmetric(matrix: np.ndarray, where: str) -> np.ndarray:

@@ -124,6 +124,8 @@ def test_hard_films():
         (BEARING, (0.0, math.nan), 10.0, "a load, and"),
         (BEARING._replace(clearance=0.0), (0.0, -1.0), 10.0, "clearance = 0"),
         (BEARING, (0.0, -1e30), 10.0, "a load that the film carries"),
+        (BEARING._replace(clearance=0.06), (0.0, -1.0), 10.0, "far thinner than the journal"),
+        (ShortBearing(100.0, 30.0, 0.1, 0.1), (0.0, -525.0), 10.0, "a diameter of 100 m.*Are these mm"),
     ],
 )
 def test_what_no_film_carries_is_refused(bearing, load, speed, expected):
@@ -176,6 +178,9 @@ def test_balls_follow_the_speed_by_their_film_alone():
         (["balls", "--load", "0,-5e9"], "no equilibrium"),
         (["balls", "--load", "0,-500", "--speeds", "100 rpm,50 rpm"], "speeds that rise"),
         (["balls", "--load", "0,-500", "--effects", "flim"], "film"),
+        (["balls", "--load", "0,-500", "--speeds", "nan"], "--speeds: got 'nan', expected a number"),
+        (["balls", "--load", "0,-500", "--speeds", "1500 rpm,3000"], "3000 beside '1500 rpm', expected a unit at each number"),
+        (["balls", "--load", "0,-0.5 kN,300"], "300 beside '-0.5 kN'"),
         (["film", "--load", "0,-500,1"], "across the shaft"),
     ],
 )

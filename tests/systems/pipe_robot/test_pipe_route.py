@@ -98,6 +98,7 @@ def test_a_survey_of_any_length_is_the_cubic_of_scipy_between_its_level_ends():
         ("position [m],diameter [mm]\n0,200\n0,210\n", "position 0 behind 0"),
         ("position [m],diameter [mm]\n0,200\n1,-210\n", "a diameter of -0.21 m"),
         ("position [m],diameter [mm],friction_factor\n0,200,1\n1,210,-1\n", "a friction factor of -1"),
+        ("position [m],diameter [mm],slope [rad]\n0,200,0\n1,210,8\n", "a slope of 8 rad"),
         ("position [m],diameter [mm],bend\n0,200,1\n1,210,1\n", "column 'bend'"),
     ],
 )

@@ -121,6 +121,14 @@ def test_the_scene_keeps_the_vehicle_in_its_place(tmp_path, sensors):
         ({"thrusters": []}, "one to eight"),
         ({"thrusters": [{"position": [0.0, 0.0, 0.0]}]}, r"thrusters\[1\].direction"),
         ({"volume": 0.013}, "a key of a vehicle"),
+        ({"inertia": [0.26, 0.23, 2.6]}, "none above the sum of both others"),
+        ({"weight": 13.5}, "weight: got 13.5 N, expected 132.39 N"),
+        ({"buoyancy": 13.6}, "buoyancy: got 0.103 of the weight"),
+        ({"centre_of_buoyancy": [0.0, 0.0, -10.0]}, "centre_of_buoyancy: got a place 10 m from the origin"),  # mm
+        ({"thrusters": [{"position": [0.1, 0.0, 0.0], "direction": [1, 0, 0], "thrust": 40}]}, "key 'thrust'"),
+        ({"density": 1.025}, "density: got 1.025, expected 500 to 2000"),
+        ({"depth": -5.0}, "depth is downwards"),
+        ({"added_mass": [1e5, 1e5, 1e5, 1.0, 1.0, 1.0]}, "added_mass: got .* times the mass, expected at most 20"),
     ],
 )
 def test_what_is_no_vehicle_is_one_message(tmp_path, changes, words):
