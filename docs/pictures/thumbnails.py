@@ -33,6 +33,8 @@ SHOWN = {  # scene -> beginning of the title of the figure that it is there for;
     "en50318-2018-ac-simple": "Uplift",
     "en50318-2018-ac-stitched": "Contact force",
     "en50318-2018-dc-simple": "Shape",
+    "compound-line": "Contact force",
+    "line-as-built": "Lateral",
     "stitched-line": "Shape",
     "two-contact-wires": "Uplift",
     "two-strips": "Amplitude",

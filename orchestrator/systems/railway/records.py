@@ -261,6 +261,11 @@ def passages(result: Result) -> list[Passage]:
     return sorted(all_passages, key=lambda p: -p.record.position[0])
 
 
+def lateral_position(result: Result, passage: Passage) -> np.ndarray | None:
+    """Of the contact wire at the contact point, (n,) m; None where it was not recorded."""
+    return result.columns.get(f"{passage.catenary}.stagger.lateral_position")
+
+
 def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:
     if not watched:
         return ()

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ....components.railway.mesh import NO_WIRE
 from ...harness.summary import Summary, SummaryRow, rows
-from .records import measured, passages, statistics
+from .records import analysis_window, lateral_position, measured, passages, statistics
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -29,6 +31,7 @@ TEXTS = {
     "longest_arc_ms": ("ms", "longest loss of contact, if of more than 5 ms"),
     "height_range_mm": ("mm", "range of the contact point's height"),
     "uplift_mm": ("mm", "maximum uplift at a support"),
+    "lateral_mm": ("mm", "largest lateral position of the contact wire at the contact point"),
 }
 OF_THE_WHOLE = ("arcs", "arcing", "longest_arc_ms")  # no arc burns at a strip or a wire while the other keeps contact
 OF_A_WIRE_THAT_IS_THERE = ("loss_raw", "loss_filtered", "statistical_max", "statistical_min", "height_range_mm")
@@ -54,8 +57,18 @@ def summary(result: Result) -> Summary:
     numbers: list[SummaryRow] = []
     for i, passage in enumerate(passages(result)):
         texts = {name: (unit, f"{text}, of {passage.part}") for name, (unit, text) in TEXTS.items()} if passage.part else TEXTS
-        numbers += rows(passage.pantograph, shown(passage, statistics(result, pantograph=i)), texts, bool(passage.part))
+        values = {**shown(passage, statistics(result, pantograph=i)), **_lateral(result, passage)}
+        numbers += rows(passage.pantograph, values, texts, bool(passage.part))
     return tuple(numbers)
+
+
+def _lateral(result: Result, passage: Passage) -> dict[str, float]:
+    """Of the first contact wire in the window of analysis, where it was recorded."""
+    if passage.part or (sideways := lateral_position(result, passage)) is None:
+        return {}
+    start, end = analysis_window(result)
+    inside = (passage.record.position >= start) & (passage.record.position <= end)
+    return {"lateral_mm": 1e3 * float(np.abs(sideways[inside]).max())}
 
 
 def shown(passage: Passage, of_it: ContactStatistics) -> dict[str, float]:
@@ -64,4 +77,4 @@ def shown(passage: Passage, of_it: ContactStatistics) -> dict[str, float]:
     left_out = (() if passage.supports else ("uplift_mm",)) + (OF_THE_WHOLE if passage.part else ())
     if passage.part and (passage.record.height >= 0.5 * NO_WIRE).any():  # of an overlap: where the wire is not, its force is 0
         left_out += OF_A_WIRE_THAT_IS_THERE
-    return {name: values[name] for name in TEXTS if name not in left_out}
+    return {name: values[name] for name in TEXTS if name in values and name not in left_out}

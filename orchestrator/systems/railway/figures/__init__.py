@@ -17,7 +17,7 @@ from ..line import svg
 from ..records import Passage, analysis_window, passages, statistics
 from .force import force_figure, spectrum_figure
 from .passage import passage_figure
-from .wire import uplift_figure, waves_figure, wire_figure
+from .wire import lateral_figure, uplift_figure, waves_figure, wire_figure
 
 if TYPE_CHECKING:
     from ....harness.validation.case import Row
@@ -65,6 +65,7 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: ButterworthFilte
     candidates: list[Figure | None] = [_with_faults(result, all_passages, force_figure(result, all_passages, rows, low_pass))]
     if all_passages[0].supports:
         candidates.append(uplift_figure(result, all_passages, rows))
+    candidates.append(lateral_figure(result, all_passages[0]))
     candidates.append(spectrum_figure(result, all_passages, low_pass))
     candidates.insert(0, passage_figure(result, all_passages[0], low_pass))
     name = f"{all_passages[0].catenary}.wire_profile.height"

@@ -28,7 +28,7 @@ from ....harness.charts.style import (
     tint,
     vertical,
 )
-from ..records import Passage, analysis_window, track_of
+from ..records import Passage, analysis_window, lateral_position, track_of
 from .passage import track_marks
 
 if TYPE_CHECKING:
@@ -77,6 +77,30 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
         figure,
         "Dotted vertical lines: a pantograph passes the support of that colour. Dotted curves: supports outside the window.",
     )
+
+
+def lateral_figure(result: Result, passage: Passage) -> Figure | None:
+    """Lateral position of the contact wire along the track, with the straight lines between supports; None where not recorded."""
+    if (sideways := lateral_position(result, passage)) is None:
+        return None
+    x = passage.record.position
+    marks, notes = track_marks(track := track_of(result), float(x[0]), float(x[-1]))
+    supports = [place for _, place in track.supports_between(float(x[0]), float(x[-1]))]
+    wire, _ = dense_line(x, 1e3 * sideways, "contact wire", BLUE, 2.2, hover="%{x:.1f} m: %{y:.0f} mm")
+    straight = line(supports, 1e3 * np.interp(supports, x, sideways), "straight between supports", MUTED, 1.2, dash="dash")
+    figure = {
+        "data": [straight, wire],
+        "layout": layout(
+            300,
+            shapes=marks,
+            annotations=notes,
+            showlegend=True,
+            xaxis=axis("position of the contact point, m"),
+            yaxis=axis("lateral position, mm", grid=True),
+        ),
+    }
+    text = "In plan, as the pantograph meets the wire; 0 is the middle of the track. What lies beside the straight lines is blown off."
+    return Figure("Lateral position of the contact wire", figure, text)
 
 
 def profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
