@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...harness.analysis.signals import ButterworthFilter
 from ...harness.explore.figures import LiveFigure
-from .records import analysis_window, passages
+from .records import LATERAL, analysis_window, passages
 from .summary import TEXTS
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ def figures(result: Result) -> tuple[LiveFigure, ...]:
     inside = tuple(n for n, x in zip(watched, passage.supports, strict=True) if start - 1e-6 <= x <= end + 1e-6)
     if inside:
         rows.append(_figure(unit, "uplift_mm", inside, "maximum", factor=1e3))  # over the whole run
+    if (sideways := f"{passage.catenary}.{LATERAL}") in result.columns:
+        rows.append(_figure(unit, "lateral_mm", (sideways,), "largest size", factor=1e3, window=window))
     return tuple(rows)
 
 

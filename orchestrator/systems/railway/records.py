@@ -162,6 +162,7 @@ def wave_speed(result: Result, catenary: str) -> float | None:
 
 
 SECOND = ".second_wire"  # behind the name of a pantograph: what it does on a second contact wire
+LATERAL = "stagger.lateral_position"  # of a catenary: where its first contact point is across the track
 STRIPS = ".two_strips"  # behind the name of a pantograph: its rear strip
 
 
@@ -263,7 +264,7 @@ def passages(result: Result) -> list[Passage]:
 
 def lateral_position(result: Result, passage: Passage) -> np.ndarray | None:
     """Of the contact wire at the contact point, (n,) m; None where it was not recorded."""
-    return result.columns.get(f"{passage.catenary}.stagger.lateral_position")
+    return result.columns.get(f"{passage.catenary}.{LATERAL}")
 
 
 def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.railway.mesh import NO_WIRE
+from ...harness.analysis.signals import window
 from ...harness.summary import Summary, SummaryRow, rows
 from .records import analysis_window, lateral_position, measured, passages, statistics
 
@@ -66,8 +67,7 @@ def _lateral(result: Result, passage: Passage) -> dict[str, float]:
     """Of the first contact wire in the window of analysis, where it was recorded."""
     if passage.part or (sideways := lateral_position(result, passage)) is None:
         return {}
-    start, end = analysis_window(result)
-    inside = (passage.record.position >= start) & (passage.record.position <= end)
+    inside = window(passage.record.position, *analysis_window(result))
     return {"lateral_mm": 1e3 * float(np.abs(sideways[inside]).max())}
 
 

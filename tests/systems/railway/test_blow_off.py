@@ -3,6 +3,11 @@
 import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
+from cosimo.orchestrator.harness.analysis.records import RecordedUnit
+from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems.railway.figures import figures
+from cosimo.tests.scene_runs import finished
+from cosimo.tests.systems.railway.made_up import made_up_run
 
 LINE = """[[sections]]
 contact_wire = { tension = 15e3, mass = 1.35 }
@@ -59,3 +64,21 @@ def test_a_wind_of_no_speed_changes_nothing_and_a_tenser_wire_moves_less():
     assert (sideways(x, "blow_off", **{"blow_off.speed": 0.0}) == sideways(x)).all()
     tense = sideways(x, "blow_off", **{"line_table.table": twice}) - sideways(x)
     assert tense == pytest.approx(0.5 * (sideways(x, "blow_off") - sideways(x)), rel=1e-9)
+
+
+@pytest.mark.full
+def test_the_lateral_position_is_a_key_result_and_a_figure():
+    """That of the string, with the tension that the wire has as built; neither where none was recorded."""
+    scene = load_scene("line-as-built")
+    result = finished(scene)
+    tension = RecordedUnit(result, "catenary").component.form().layout.wires[0].tension
+    assert 0.001 < abs(tension / 22e3 - 1.0) < 0.06
+    p = load(scene.units["catenary"].parameters["blow_off.speed"])
+    expected = 1e3 * (p * 65.0**2 / 8.0 / tension + 2.0 * STAGGER**2 * tension / (p * 65.0**2))
+    rows = {row.name: row.value for row in result.summary}
+    assert rows["pantograph.lateral_mm"] == pytest.approx(expected, abs=0.1)
+    lateral = next(f for f in figures(result) if f.title.startswith("Lateral"))
+    straight, wire = lateral.figure["data"]
+    assert np.abs(straight["y"]) == pytest.approx([1e3 * STAGGER] * len(straight["x"]), abs=1.0)
+    assert max(wire["y"]) == pytest.approx(expected, abs=0.5)
+    assert not [f for f in figures(made_up_run()) if f.title.startswith("Lateral")]

@@ -22,9 +22,9 @@ FRONT = 1e-4  # error of the force for the threshold as it is declared, which ch
 
 
 def of_line(scene, effects=(), **parameters):
-    """The scene with more effects and other parameters of its catenary; None where it has no line that is stepped explicitly."""
+    """The scene with more effects and other parameters of its catenary; None where no part of a line may move."""
     name, unit = next(((n, u) for n, u in scene.units.items() if u.component == "Catenary"), (None, None))
-    if name is None or unit.parameters.get("method") == "implicit":
+    if name is None or unit.parameters.get("method") == "implicit" or "scatter" in unit.effects:  # slack droppers, see `Scatter`
         return None
     changes = {f"{name}.{key.replace('__', '.')}": value for key, value in parameters.items()}
     return scene.with_changes({f"units.{name}.effects": [*unit.effects, *effects], **changes})
