@@ -32,6 +32,13 @@ LINE_NUMBERS = {  # option -> table and key of a section, unit, default
     "first_dropper": ("droppers", "first", "m"),
     "dropper_gap": ("droppers", "gap", "m"),
     "dropper_stiffness": ("droppers", "stiffness", "N/m"),
+    "second_contact_tension": ("second_contact_wire", "tension", "N"),
+    "auxiliary_tension": ("auxiliary", "tension", "N"),
+    "auxiliary_mass": ("auxiliary", "mass", "kg/m"),
+    "auxiliary_height": ("auxiliary", "height", "m"),
+    "auxiliary_axial_stiffness": ("auxiliary", "axial_stiffness", "N"),
+    "first_main_dropper": ("main_droppers", "first", "m"),
+    "main_dropper_gap": ("main_droppers", "gap", "m"),
     "contact_axial_stiffness": ("contact_wire", "axial_stiffness", "N"),
     "messenger_axial_stiffness": ("messenger", "axial_stiffness", "N"),
     "stitch_half_length": ("stitch", "half_length", "m"),
@@ -39,6 +46,11 @@ LINE_NUMBERS = {  # option -> table and key of a section, unit, default
     "stitch_mass": ("stitch", "mass", "kg/m"),
     "wear": ("span", "wear", "1"),
 }
+OF_AUXILIARY = {
+    "auxiliary_tension": "14.7 kN",
+    "auxiliary_mass": "1.375 kg/m",
+    "auxiliary_height": "0.15 m",
+}  # each with an example
 
 
 def write_new(file: Path, text: str) -> None:
@@ -57,7 +69,8 @@ def line(
         Path,
         Argument(
             help="CSV with one row per support: 'position [m]', and if known 'contact height [m]', 'system height [m]', "
-            "'stagger [m]', 'section' (overlapping sections give an overlap), 'held' and 'contact stiffness [N/m]'."
+            "'stagger [m]', 'section' (overlapping sections give an overlap), 'held', 'contact stiffness [N/m]' and "
+            "'main droppers' (their number up to the next support)."
         ),
     ],
     contact_tension: Annotated[str, Option(help="Tension of the contact wire.")] = "20 kN",
@@ -71,6 +84,19 @@ def line(
     ] = "4.5 m",
     dropper_gap: Annotated[str, Option(help="Largest distance between two droppers.")] = "6.5 m",
     dropper_stiffness: Annotated[str, Option(help="Stiffness of a dropper in tension.")] = "200 kN/m",
+    second_contact_tension: Annotated[
+        str, Option(help="Tension of a second contact wire beside the first, with its mass and droppers. Default: none.")
+    ] = "",
+    auxiliary_tension: Annotated[
+        str, Option(help="Tension of the auxiliary wire of a compound line. Default: no such wire.")
+    ] = "",
+    auxiliary_mass: Annotated[str, Option(help="Mass per length of the auxiliary wire.")] = "",
+    auxiliary_height: Annotated[str, Option(help="Height of the auxiliary wire above the contact wire's supports.")] = "",
+    auxiliary_axial_stiffness: Annotated[str, Option(help="EA of an auxiliary wire without automatic tensioning.")] = "",
+    first_main_dropper: Annotated[
+        str, Option(help="Distance of the auxiliary wire's first dropper from a support, if the table does not count them.")
+    ] = "",
+    main_dropper_gap: Annotated[str, Option(help="Largest distance between two droppers of the auxiliary wire.")] = "",
     contact_axial_stiffness: Annotated[
         str, Option(help="EA of a contact wire without automatic tensioning, whose tension changes with temperature.")
     ] = "",
@@ -102,9 +128,17 @@ def line(
             data[table][key] = share(name, text) if unit == "1" else number_given(text, unit, name, bare=False)
         if text and key == "axial_stiffness":
             data[table]["fixed"] = True
-    text = line_text(
-        file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", supports_of(supports), data
-    )
+    sections = supports_of(supports)
+    counted_droppers = any("main droppers" in support for own in sections.values() for support in own)
+    if counted_droppers or data["auxiliary"] or data["main_droppers"]:
+        data["main_droppers"]["stiffness"] = data["droppers"]["stiffness"]
+        for option, example in OF_AUXILIARY.items():
+            if not given[option]:
+                name = f"--{option.replace('_', '-')}"
+                raise BadInput(
+                    name, "nothing, beside others of an auxiliary wire", "its value with its unit", f'As in {name} "{example}".'
+                )
+    text = line_text(file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", sections, data)
     write_new(file, text)
     try:
         form, _ = lines.read(file, {}, droppers)
@@ -112,7 +146,9 @@ def line(
         file.unlink()
         raise
     print_written([file])
-    supports_, droppers_ = counted(form.support.size, "messenger support"), counted(form.layout.droppers.position.size, "dropper")
+    main = sum(lower in form.layout.auxiliary_lanes for lower in form.layout.droppers.lower)
+    supports_, droppers_ = counted(form.support.size, "messenger support"), counted(form.preload.size - main, "dropper")
+    droppers_ += f", {counted(main, 'main dropper')}" if main else ""
     print(f"{supports_} between the anchors, {droppers_}; next: cosimo show {file}")
 
 

@@ -62,10 +62,12 @@ def test_a_kind_is_listed_by_its_singular_too(capsys):
     assert list(json.loads(capsys.readouterr().out)) == ["components"]
 
 
-@pytest.mark.parametrize(("lower", "said"), [((0, 0), "-3 N at 7 m"), ((0, 2), "-3 N at 7 m (contact wire 2)")])
+@pytest.mark.parametrize(
+    ("lower", "said"), [((0, 0), "-3 N at 7 m"), ((0, 2), "-3 N at 7 m (contact wire 2)"), ((0, 4), "-3 N at 7 m (auxiliary)")]
+)
 def test_a_dropper_that_pushes_is_told_by_its_wire_where_there_are_two(lower, said):
     droppers = SimpleNamespace(position=np.array([5.0, 7.0]), lower=np.array(lower))
-    form = SimpleNamespace(preload=np.array([40.0, -3.0]), layout=SimpleNamespace(droppers=droppers))
+    form = SimpleNamespace(preload=np.array([40.0, -3.0]), layout=SimpleNamespace(droppers=droppers, contact_lanes=(0, 2)))
     with pytest.raises(ValueError, match="1 of 2 droppers with thrust at rest") as refusal:
         refuse_pushing(form, "line")
     assert said + ", expected tension in every dropper" in str(refusal.value)

@@ -98,6 +98,57 @@ def test_winter_summer_wear_and_stitch_wires_are_options(folder, capsys):
     assert not (folder / "new.toml").exists()
 
 
+COMPOUND = ("--messenger-tension", "24.5 kN", "--auxiliary-tension", "14.7 kN", "--auxiliary-mass", "1.375 kg/m")
+ABOVE = ("--auxiliary-height", "0.15 m")
+
+
+def test_a_compound_line_is_written_from_its_supports(folder, capsys):
+    """In an overlap with main droppers at distances, and in a plain line where each span counts its own; with two contact wires, too."""
+    placed = ("--first-main-dropper", "6 m", "--main-dropper-gap", "9 m", "--auxiliary-axial-stiffness", "18 MN")
+    assert exit_code("new", "line", "overlap.toml", "supports.csv", *COMPOUND, *ABOVE, *placed) == 0
+    assert "19 messenger supports between the anchors, 168 droppers, 126 main droppers" in capsys.readouterr().out
+    for section in read_line((folder / "overlap.toml").read_text(encoding="utf-8")).sections:
+        auxiliary, main = section.auxiliary, section.main_droppers
+        assert (auxiliary.tension, auxiliary.mass, auxiliary.height) == (14700.0, 1.375, 0.15)
+        assert (auxiliary.fixed, auxiliary.axial_stiffness) == (True, 18e6)
+        assert (main.first, main.gap, main.stiffness) == (6.0, 9.0, 200e3)
+    (folder / "counted.csv").write_text("position [m],main droppers\n0,4\n48,5\n98,\n148,0\n198,\n")
+    twin = ("--second-contact-tension", "20 kN", "--main-dropper-gap", "10 m")
+    assert exit_code("new", "line", "counted.toml", "counted.csv", *COMPOUND, *ABOVE, *twin) == 2
+    assert "got the dropper at" in capsys.readouterr().err  # nothing holds the auxiliary wire up in the last span
+    (folder / "counted.csv").write_text("position [m],main droppers\n0,4\n48,5\n98,\n148,3\n198,\n")
+    assert exit_code("new", "line", "counted.toml", "counted.csv", *COMPOUND, *ABOVE, *twin) == 0
+    (section,) = read_line((folder / "counted.toml").read_text(encoding="utf-8")).sections
+    main = [span.main_positions for span in section.spans]
+    assert main == [(6.0, 18.0, 30.0, 42.0), (5.0, 15.0, 25.0, 35.0, 45.0), None, (8.33333333, 25.0, 41.6666667)]
+    assert section.second_contact_wire.tension == 20e3
+    assert exit_code("new", "scene", "scene.toml", "--line", "overlap.toml", "--speed", "160 km/h", "--temperature", "-10") == 0
+    assert "pantograph.second_wire <-> catenary.second_wire[1]" in load_scene("scene.toml").connections
+
+
+@pytest.mark.parametrize(
+    ("options", "rows", "message"),
+    [
+        (COMPOUND, ("50,",), "--auxiliary-height: got nothing, beside others of an auxiliary wire"),
+        (ABOVE, ("50,",), "--auxiliary-tension: got nothing"),
+        (("--main-dropper-gap", "9 m"), ("50,",), "--auxiliary-tension: got nothing"),
+        ((), ("50,4", "100,"), "--auxiliary-tension: got nothing"),
+        ((*COMPOUND, "--auxiliary-height", "0.15"), ("50,",), "got '0.15', expected a number with its unit"),
+        ((*COMPOUND, "--auxiliary-height", "1.2 m"), ("50,",), "expected an upper wire above the lower one"),
+        ((*COMPOUND, *ABOVE, "--first-main-dropper", "26 m"), ("50,",), "more than twice the 26 m of the first dropper"),
+        ((*COMPOUND, *ABOVE), ("50,2.5", "100,"), "line 3, column 'main droppers': got 2.5, expected a whole number from 0"),
+        ((*COMPOUND, *ABOVE), ("50,-1", "100,"), "got -1, expected a whole number from 0"),
+        ((*COMPOUND, *ABOVE), ("50,4",), "main droppers at 50 m, the last support"),
+    ],
+)
+def test_what_is_no_auxiliary_wire_is_one_message(tmp_path, monkeypatch, capsys, options, rows, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "supports.csv").write_text("\n".join(["position [m],main droppers", "0,", *rows, ""]))
+    assert exit_code("new", "line", "line.toml", "supports.csv", *options) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "line.toml").exists()
+
+
 def test_units_are_joined_by_their_ports(tmp_path):
     assert exit_code("new", "scene", tmp_path / "plain.toml", "Pantograph", "wire=LumpedCatenary") == 0
     assert load_scene(tmp_path / "plain.toml").connections == ("pantograph.contact <-> wire.contact",)

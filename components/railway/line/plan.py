@@ -67,7 +67,8 @@ REFUSALS = {
     SHORT_DROPPER: Refusal(
         "the dropper at {refused[0]} m with a length of {refused[1]} m",
         "an upper wire above the lower one",
-        "Raise the system height, or the tension of the upper wire; or place an auxiliary wire between the others.",
+        "Raise the system height, or the tension of the upper wire; or place an auxiliary wire between the others, with main droppers "
+        "close enough.",
     ),
     OTHER_LENGTH: Refusal("a length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
     OTHER_CUT: Refusal("a cut length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),

@@ -12,7 +12,7 @@ from ....components.core.columns import read_table
 from ....components.core.errors import BadInput, pick
 from ....components.core.measure import number_in
 from ....components.railway.line.from_table import resolved_sections
-from ....components.railway.line.table import read_line
+from ....components.railway.line.table import MOST_DROPPERS, read_line
 from ....components.railway.pantograph import Pantograph
 from ...scene.file_kinds import refuse_other
 from ...scene.files import read_text, read_toml
@@ -25,7 +25,9 @@ COLUMNS = {  # of the table of supports -> key of a support in a line's table, "
     "stagger": ("stagger", "m"),
     "held": ("held", ""),
     "contact stiffness": ("contact_stiffness", "N/m"),
+    "main droppers": ("", "1"),
 }
+MAIN_DROPPERS = "It is the number of main droppers in the span from this support to the next one."
 TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 LOWEST = -1.0  # m; of heights above the rail, and of deviations from a level, which lines of reference models give
 HEIGHTS = "It is a height above the rail, or a small deviation from a level that all supports share."
@@ -62,12 +64,19 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
             raise BadInput(f"{path}, line {line}", "no position", "the position of each support, m")
         if support.get("held", "yes").lower() not in TRUTHS:
             raise BadInput(f"{path}, line {line}, column 'held'", repr(support["held"]), "yes or no")
+        count = support.get("main droppers", 0.0)
+        if not (count.is_integer() and 0.0 <= count <= MOST_DROPPERS):
+            place = f"{path}, line {line}, column 'main droppers'"
+            raise BadInput(place, f"{count:g}", f"a whole number from 0 to {MOST_DROPPERS}", MAIN_DROPPERS)
         sections.setdefault(support.pop("section", "1"), []).append(support)
     for name, supports in sections.items():
         positions = [s["position"] for s in supports]
         if len(supports) < 2 or (np.diff(positions) <= 0.0).any():
             actual = f"supports at {', '.join(f'{x:g}' for x in positions[:8])}{', ...' if len(positions) > 8 else ''} m"
             raise BadInput(f"{path}, section {name}", actual, "at least two, each behind the one before")
+        if "main droppers" in supports[-1]:
+            actual = f"main droppers at {positions[-1]:g} m, the last support"
+            raise BadInput(f"{path}, section {name}", actual, "an empty cell there", MAIN_DROPPERS)
     if not sections:
         raise BadInput(str(path), "no support", "a row for each support")
     return sections
@@ -76,16 +85,26 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
 def line_text(
     title: str, source: str, sections: Mapping[str, Sequence[Mapping[str, Any]]], data: Mapping[str, Mapping[str, float]]
 ) -> str:
-    """A line's table. data: "contact_wire", "messenger", "droppers", "support" -> numbers of each section's table, SI."""
+    """A line's table. data: "contact_wire", "auxiliary", "droppers", "support", ... -> numbers of each section's table, SI."""
     parts = [f"title = {_quoted(title)}", f"source = {_quoted(source)}", ""]
     for supports in sections.values():
         positions = [s["position"] for s in supports]
         parts += ["[[sections]]", f"start = {positions[0]:.9g}"]
         parts += [f"{name} = {_table(values)}" for name, values in data.items() if values]
-        parts += [f"spans = [{', '.join(f'{span:.9g}' for span in np.diff(positions))}]"]
+        parts += [f"spans = [{', '.join(map(_span, np.diff(positions).tolist(), supports))}]"]
         rows = [_table({COLUMNS[c][0]: v for c, v in s.items() if COLUMNS[c][0]}) for s in supports]
         parts += ["supports = [", *(f"    {row}," for row in rows), "]", ""] if any(row != "{}" for row in rows) else [""]
     return "\n".join(parts)
+
+
+def _span(length: float, support: Mapping[str, Any]) -> str:
+    """A span behind a support; main droppers that are counted there stand at equal distances, half of that from the supports."""
+    if "main droppers" not in support:
+        return f"{length:.9g}"
+    count = int(support["main droppers"])
+    return (
+        f"{{ length = {length:.9g}, main_positions = [{', '.join(f'{length * (k + 0.5) / count:.9g}' for k in range(count))}] }}"
+    )
 
 
 def _table(values: Mapping[str, Any]) -> str:
