@@ -8,7 +8,8 @@ What is taken from the published model: groove geometry, Hertz contacts of both 
 films of both races under a constant nominal load, added to the balls' diameter, waves and defects of the races. What is done
 differently: the moment's lever is the one with which tilts move the contacts, so that the bearing has a potential and a
 symmetric stiffness (`published_levers` brings the published one back); the races' radii, not the contacts', enter the cage's
-speed and the levers; damping acts contact by contact; the balls' inertia is an effect, see inertia.py. Not in it: sliding,
+speed and the levers; damping acts contact by contact; the balls' inertia and the cage's slip are
+effects, see inertia.py and cage_slip.py. Not in it: spin in the contacts,
 flexible rings.
 
 A ball whose contact is longer than its own radius is out of the model's range. The published formulas come from public code of
@@ -29,6 +30,7 @@ from ..core.contract import KernelComponent, Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
+from .cage_slip import CageSlip
 from .contacts import GAP, BallContacts
 from .friction import COLDEST, HOTTEST, UPRIGHT, Friction, OilFriction, SkfFriction
 from .geometry import BallGeometry
@@ -47,6 +49,7 @@ from .six_dof import (
     LARGE_BALLS,
     MISSED,
     NO_ELLIPSE,
+    NO_FLUID,
     NO_GROOVE,
     NO_OIL,
     OTHER_BALLS,
@@ -196,6 +199,7 @@ class DeepGrooveBearing(KernelComponent):
     ball_inertia = BallInertia
     oil_friction = OilFriction
     skf_friction = SkfFriction
+    cage_slip = CageSlip
 
     balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
@@ -314,6 +318,9 @@ class DeepGrooveBearing(KernelComponent):
             "rings inside and outside of balls of {ball_diameter} m on a circle of {pitch_diameter} m",
             "Give friction.bore_diameter and skf_friction.outside_diameter of this bearing",
         ),
+        NO_FLUID: Refusal(
+            "cage_slip.viscosity = {cage_slip.viscosity} Pa.s", "0 or more", "Give the dynamic viscosity of the oil"
+        ),
         UPRIGHT_LOAD: Refusal(
             "an axial load of {message[0]} N with skf_friction.static_rating = {skf_friction.static_rating} N",
             f"one below {UPRIGHT:.3g} C_0, at which the catalogue's contact angle is 90 degrees",
@@ -337,13 +344,14 @@ class DeepGrooveBearing(KernelComponent):
     def shapes(self) -> dict[str, Any]:
         """`constants`: see `six_dof`.  `directions`: cosine and sine of each ball seen from ball 0.  `balls`, `sums`,
         `stiffness`, `damping`, `contacts`: see `contacts`.  `features`, `noted`: see `check_passages`.  `message`: a number of a message.
-        `initializing`: whether a master looks for the static position.
+        `middle`, `slipped`: inputs in the middle of a step, and the angle by which the cage slips in it.  `initializing`: whether a
+        master looks for the static position.
         """
         n: Any = self.get("balls")
         if "ball_defect" in self.on and (ball := self.get("ball_defect.ball")) > n:
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"a ball of the {n} there are")
         return {
-            "x": 3 if "ball_defect" in self.on else 2,
+            "x": 2 + ("ball_defect" in self.on) + ("cage_slip" in self.on),
             "constants": Constants,
             "contacts": BallContacts,
             "directions": (2, n),
@@ -354,6 +362,8 @@ class DeepGrooveBearing(KernelComponent):
             "features": (len(FEATURES), 3),
             "noted": (4 if "skf_friction" in self.on else 2, 4),
             "message": 1,
+            "middle": len(self.inputs) if "cage_slip" in self.on else None,
+            "slipped": 1 if "cage_slip" in self.on else None,
             "initializing": 1,
         } | wave_shapes(self.on, n)
 
@@ -384,7 +394,7 @@ class DeepGrooveBearing(KernelComponent):
         if MISSED <= status < MISSED + len(FEATURES):  # a run under way
             actual, _, remedy = map(self._with_values, type(self).refusals[status])
             raise StepFailed(self.name, float(self.arguments[0].noted[UNSEEN, 3]), actual, remedy)
-        if status in (NO_OIL, UPRIGHT_LOAD):
+        if status in (NO_OIL, UPRIGHT_LOAD, NO_FLUID):
             actual, expected, remedy = map(self._with_values, type(self).refusals[status])
             raise StepFailed(self.name, self.t, f"{actual}, expected {expected}", remedy)
         super()._check(status)
@@ -413,7 +423,7 @@ class DeepGrooveBearing(KernelComponent):
         if e.published_levers is not None:
             load[3:] /= k.levers
         contacts = present_contacts(self.u[0], s.contacts, e.thermal_growth)
-        inertia = present_inertia(self.u[0, SPEED], k, e.ball_inertia)
+        inertia = present_inertia(self.x, self.u[0, SPEED], k, e)
         loads = static_loads(contacts, load, first_ball=self.x[1], held=held, gap=s.balls[:, GAP].copy(), inertia=inertia)
         return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > k.largest_load else loads
 

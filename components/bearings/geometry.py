@@ -101,16 +101,13 @@ class BallGeometry:
         """Stiffness of a ball between both races, N/m^1.5."""
         return in_series(*(self.contact(race, modulus, ellipse).stiffness for race in ("inner", "outer")))
 
-    def defect_frequencies(self, rotation: float) -> dict[str, float]:
+    def defect_frequencies(self, rotation: float, cage: float | None = None) -> dict[str, float]:
         """Characteristic frequencies in the unit of `rotation`, that of the inner ring with the outer one at rest.
 
+        cage: the speed of a cage that slips, while the balls roll on the outer race; None: it does not slip.
         cage: of the ball set (FTF); outer, inner: of a ball over a defect of that race (BPFO, BPFI); ball: of a ball's spin
         (BSF), whose defect meets a race twice a turn.
         """
-        cage = self.cage_ratio * rotation
-        return {
-            "cage": cage,
-            "outer": self.balls * cage,
-            "inner": self.balls * (rotation - cage),
-            "ball": self.spin_ratio * rotation,
-        }
+        spin = self.spin_ratio * rotation if cage is None else self.spin_ratio / self.cage_ratio * cage
+        cage = self.cage_ratio * rotation if cage is None else cage
+        return {"cage": cage, "outer": self.balls * cage, "inner": self.balls * (rotation - cage), "ball": spin}

@@ -62,6 +62,13 @@ def _across(component: Component) -> np.ndarray:
     return np.array([component["linearisation.stiffness[7]"], component["loaded_balls"] - 1.0])
 
 
+def _left_alone(t: float) -> float:
+    """Speed of a cage that oil of 0.1 Pa.s holds at the outer ring, from rolling at 500 rad/s on; the default bearing."""
+    rate = math.pi * 0.1 * 3e-3 * 0.06**3 / (4.0 * 2e-4)
+    inertia = 0.35 * 9.0 * 7800.0 * math.pi / 6.0 * 11.1e-3**3 * 53.5e-3**2 + 1.4e-5
+    return 0.5 * (1.0 - 11.1 / 53.5) * 500.0 * math.exp(-rate / inertia * t)
+
+
 def _axial_stiffness(component: Component) -> float:
     return component["linearisation.stiffness[13]"]
 
@@ -357,6 +364,49 @@ HARD_CASES = {
             Refused("viscosity_100 = 6.8e-05 m2/s", "initialize", {"oil_friction.viscosity_100": 8e-6}),
             effects=("friction", "oil_friction"),
             parameters={"oil_friction.viscosity_40": 8.7e-6, "oil_friction.viscosity_100": 6.8e-5},
+        ),
+        "a cage without load": HardCase(
+            "Petroff's drag stops it, exponentially.",
+            (Invariant("cage_slip.cage_speed", 1e-6, value=_left_alone, share=True), AtMost("cage_slip.drive", 0.0)),
+            effects=("ball_inertia", "cage_slip"),
+            parameters={"diametral_clearance": 2e-5, "cage_slip.drag_density": 0.0},
+            inputs={"speed": 500.0, "cage_slip.viscosity": 0.1},
+            run=(0.2, 1e-3),
+        ),
+        "a cage in a bearing that turns back": HardCase(
+            "Loads come and go, the oil thickens and thins: all heat is positive.",
+            (AtLeast("cage_slip.power", 0.0), Finite()),
+            effects=("ball_inertia", "cage_slip", "ball_defect"),
+            parameters={"diametral_clearance": 1e-5, "cage_slip.guide": "inner", "ball_defect.width": 1.0},
+            inputs={
+                "displacement_x": sine(8e-6, 100.0),
+                "displacement_z": sine(4e-5, 70.0),
+                "speed": sine(300.0, 50.0),
+                "cage_slip.viscosity": sine(0.05, 30.0, 0.05),
+            },
+            run=(0.1, 2.5e-4),
+        ),
+        "a start from rest with hardly any sliding": HardCase(
+            "A traction that has its limit at a picometre a second, in steps of a millisecond: the cage follows.",
+            (AtMost("cage_slip.slip", 1e-9), AtLeast("cage_slip.power", 0.0)),
+            effects=("ball_inertia", "cage_slip"),
+            parameters={"cage_slip.sliding": 1e-12},
+            inputs={"displacement_z": 8e-5, "speed": InputSignal(lambda t: 2e4 * t)},
+            run=(0.05, 1e-3),
+        ),
+        "a cage in pitch": HardCase(
+            "Viscosity of 1e6 Pa.s: it stands while the balls slide.",
+            (AtMost("cage_slip.cage_speed", 1e-3), AtLeast("cage_slip.power", 0.0)),
+            effects=("ball_inertia", "cage_slip"),
+            parameters={"cage_slip.start_slip": 1.0},
+            inputs={"displacement_z": 3e-5, "speed": 500.0, "cage_slip.viscosity": 1e6},
+            run=(0.05, 1e-3),
+        ),
+        "oil with a negative viscosity": HardCase(
+            "It would drive the cage.",
+            Refused("cage_slip.viscosity = -0.01 Pa.s", "step", {"cage_slip.viscosity": 0.0}),
+            effects=("ball_inertia", "cage_slip"),
+            inputs={"speed": 100.0, "cage_slip.viscosity": jumps(0.01, (0.01, -0.01))},
         ),
         "a static rating in kN": HardCase(
             "The catalogue's contact angle would be beyond 90 degrees.",

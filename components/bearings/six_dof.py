@@ -1,6 +1,7 @@
 """Kernels of the deep groove bearing with six degrees of freedom: from motion of the inner ring to force and moment on it.
 
-State: angle of the inner ring, angle of the cage (of ball 0) and, with a pit on a ball, its turn against the cage.
+State: angle of the inner ring, angle of the cage (of ball 0), with a pit on a ball its turn against the cage, and at the end, with
+`cage_slip`, the speed of the cage.
 The balls' angles are those of ball 0 and a fixed table: a call costs one sine and cosine for all of them.
 """
 
@@ -10,6 +11,7 @@ import math
 
 from ..core.contract import Kernels
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, OWN, hold_inputs, kernel
+from .cage_slip import cage_drive, put_slip, set_inertia, turned_cage
 from .contacts import (
     COS,
     ENERGY,
@@ -36,6 +38,7 @@ from .life import put_life, ring_ratings
 from .races import TWO_PI, add_faults, highest_order, start_waves, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
+TRIALS, SETTLED = 40, 1e-11  # of the cage's speed behind a step, and how exactly, of the speed
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 COARSE, UNSEEN, ADVICE = 0, 1, 2  # rows of what `check_passages` notes, and first of those of `note_advice`
 FORCE, LARGEST, NUMBER, RING, CAGE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
@@ -45,6 +48,7 @@ FITTED = 1  # of them
 # Rows of `s.features`: extent, rad, turn of the feature under a ball per turn of the inner ring, and of waves the highest order.
 # Without a turn it is not there.
 EXTENT, TURN, ORDER = range(3)
+INNER_FEATURES = (0, 2)
 FEATURES = (
     "inner_waviness of order {features[2]}",
     "outer_waviness of order {features[5]}",
@@ -55,8 +59,8 @@ FEATURES = (
 
 # Statuses; the last name the feature that a ball may have missed, in the order of `FEATURES`
 LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT, THICKENS, NO_OIL = OWN + 1, OWN + 2, OWN + 3, OWN + 4, OWN + 5, OWN + 6
-OTHER_BALLS, UPRIGHT_LOAD = OWN + 7, OWN + 8
-MISSED = OWN + 9
+OTHER_BALLS, UPRIGHT_LOAD, NO_FLUID = OWN + 7, OWN + 8, OWN + 9
+MISSED = OWN + 10
 
 
 class Constants:
@@ -75,6 +79,7 @@ class Constants:
     inner_distance: float  # from a ball's centre to those of the grooves when they just touch, m
     outer_distance: float
     centrifugal: float  # force of a ball over the square of the speed, kg.m
+    set_inertia: float  # of balls and cage about the shaft, kg.m²; with `cage_slip`
 
 
 @kernel
@@ -134,6 +139,9 @@ def bearing_start(t, s, p, e):
         k.inner_distance = (p.inner_conformity - 0.5) * p.ball_diameter
         k.outer_distance = (p.outer_conformity - 0.5) * p.ball_diameter
         k.centrifugal = centrifugal_factor(e.ball_inertia.density, p.ball_diameter, p.pitch_diameter, k.cage_ratio)
+    if e.cage_slip is not None:
+        k.set_inertia = set_inertia(p.balls, p.ball_diameter, p.pitch_diameter, e.ball_inertia.density, e.cage_slip)
+        s.x[s.x.size - 1] = k.cage_ratio * s.u[0, SPEED] * (1.0 - e.cage_slip.start_slip)
     for j in range(p.balls):
         at = TWO_PI * j / p.balls
         s.directions[0, j], s.directions[1, j] = math.cos(at), math.sin(at)
@@ -208,42 +216,109 @@ def present_contacts(u, k, growth):
 
 
 @kernel
-def present_inertia(speed, k, effect):
+def present_inertia(x, speed, k, e):
     """The balls' inertia at the present speed, or None without the effect; k: `Constants`."""
-    if effect is None:
+    if e.ball_inertia is None:
         return None
+    if e.cage_slip is not None:
+        speed = x[x.size - 1] / k.cage_ratio
     return Inertia(k.inner_stiffness, k.outer_stiffness, k.inner_distance, k.outer_distance, k.centrifugal * speed * speed)
 
 
 @kernel
-def roll(h, x, u, k):
-    """Turn ring, cage and ball with the integral of the speed's polynomial over a step h; k: `Constants`."""
+def roll(h, x, u, behind, k, ball_defect):
+    """Turn ring, cage and ball with the integral of the speed's polynomial over a step h; k: `Constants`.
+
+    behind: angle by which the cage turns less than without slip.
+    """
     turn = h * (u[0, SPEED] + h * (0.5 * u[1, SPEED] + h * u[2, SPEED] / 3.0))
     x[0] = wrapped(x[0] + turn)
-    x[1] = wrapped(x[1] + k.cage_ratio * turn)
-    for i in range(2, x.size):
-        x[i] = wrapped(x[i] + k.spin_ratio * turn)
+    x[1] = wrapped(x[1] + k.cage_ratio * turn - behind)
+    if ball_defect is not None:
+        x[2] = wrapped(x[2] + k.spin_ratio * (turn - behind / k.cage_ratio))
 
 
 @kernel
-def check_passages(t, h, s):
-    """Refuses a step in which a defect, or half a wave, could pass unseen; notes the first one that sees too little of it.
+def slide(h, s, p, e):
+    """The cage's speed behind a step h into s.x, the angle by which it has slipped into s.slipped; a status.
 
-    s.noted: (2, 4) the feature, of a macro step what a passage takes, the macro step that sees enough, s, and the beginning, s;
-    feature -1 where there was none.
-    The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
+    The loads are those of the middle of the step, with the centrifugal force of the mean of the cage's speeds at both ends. The faster
+    the cage, the less load and drive: the step has one solution, which secants find within a bracket.
     """
-    u, features, noted = s.u, s.features, s.noted
-    now, slope, half = u[0, SPEED], u[1, SPEED], u[2, SPEED]
+    k, x, middle = s.constants, s.x, s.middle
+    last, half = x.size - 1, 0.5 * h
+    ring, cage, start = x[0], x[1], x[last]
+    for i in range(middle.size):
+        middle[i] = s.u[0, i] + half * (s.u[1, i] + half * s.u[2, i])
+    viscosity = middle[e.cage_slip.u]
+    if viscosity < 0.0:
+        return NO_FLUID
+    ended, low, high, before, left_before = start, -math.inf, math.inf, start, 0.0
+    x[0], x[1] = ring + 0.5 * half * (s.u[0, SPEED] + middle[SPEED]), cage + half * start
+    place(x, middle[SPEED], k, s, e)
+    x[0], x[1] = ring, cage
+    for trial in range(TRIALS):
+        x[last] = 0.5 * (start + ended)
+        contacts, inertia = present_contacts(middle, s.contacts, e.thermal_growth), present_inertia(x, middle[SPEED], k, e)
+        if e.damping is not None:
+            factor = e.damping.factor
+            status = contact_forces(middle[:5], contacts, s.balls, s.sums, None, middle[5:10], factor, None, inertia)
+        else:
+            status = contact_forces(middle[:5], contacts, s.balls, s.sums, None, None, None, None, inertia)
+        if status != DONE:
+            return status
+        x[last], s.slipped[0] = turned_cage(h, start, s.u[:, SPEED], k.cage_ratio, present_drive(viscosity, s, p, e))
+        left = x[last] - ended
+        if abs(left) <= SETTLED * (abs(start) + abs(x[last])):
+            break
+        if left > 0.0:
+            low = ended
+        else:
+            high = ended
+        to = x[last]
+        if trial > 0:
+            to = ended + left * (ended - before) / (left_before - left) if left != left_before else math.inf
+            if not low < to < high:
+                to = 0.5 * (low + high)
+        before, left_before, ended = ended, left, to
+    return DONE
+
+
+@kernel
+def present_drive(viscosity, s, p, e):
+    """What turns the cage under the balls' loads; viscosity: Pa.s."""
+    load = 0.0
+    for j in range(s.balls.shape[0]):
+        load += s.balls[j, LOAD]
+    return cage_drive(load, viscosity, s.constants.set_inertia, p.balls, p.ball_diameter, p.pitch_diameter, e.cage_slip)
+
+
+@kernel
+def fastest_turn(h, u, against):
+    """Largest speed of the inner ring over a step h against a speed, rad/s."""
+    now, slope, half = u[0, SPEED] - against, u[1, SPEED], u[2, SPEED]
     fastest = max(abs(now), abs(now + h * (slope + h * half)))
     if half != 0.0:
         vertex = -0.5 * slope / half
         if 0.0 < vertex < h:
             fastest = max(fastest, abs(now + 0.5 * slope * vertex))
-    turn = h * fastest
+    return fastest
+
+
+@kernel
+def check_passages(t, h, s, on_inner, on_outer):
+    """Refuses a step in which a defect, or half a wave, could pass unseen; notes the first one that sees too little of it.
+
+    s.noted: (2, 4) the feature, of a macro step what a passage takes, the macro step that sees enough, s, and the beginning, s;
+    feature -1 where there was none.
+    The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
+    on_inner, on_outer: largest speed of an inner ring without slip that passes places of that race, and of the outer race and
+    the balls, as fast as the present one, rad/s.
+    """
+    features, noted = s.features, s.noted
     for k in range(features.shape[0]):
         if features[k, TURN] > 0.0:
-            passed = turn * features[k, TURN] / features[k, EXTENT]
+            passed = h * (on_inner if k in INNER_FEATURES else on_outer) * features[k, TURN] / features[k, EXTENT]
             row = UNSEEN if passed > 1.0 else COARSE
             if passed > 1.0 or (passed * SAMPLES > 1.0 and noted[COARSE, 0] < 0.0):
                 noted[row, 0], noted[row, 1], noted[row, 2], noted[row, 3] = k, 1.0 / passed, h / (SAMPLES * passed), t
@@ -255,12 +330,24 @@ def check_passages(t, h, s):
 @kernel
 def bearing_step(t, h, s, p, e):
     """Roll on by h, hold the inputs at their ends, and compute the outputs there."""
-    status = check_passages(t, h, s)
+    behind = 0.0
+    if e.cage_slip is None:
+        on_inner = on_outer = fastest_turn(h, s.u, 0.0)
+    else:
+        last, ratio = s.x.size - 1, s.constants.cage_ratio
+        before = s.x[last]
+        status = slide(h, s, p, e)
+        if status != DONE:
+            return status
+        behind, after = s.slipped[0], s.x[last]
+        on_inner = max(fastest_turn(h, s.u, before), fastest_turn(h, s.u, after)) / (1.0 - ratio)
+        on_outer = max(abs(before), abs(after)) / ratio
+    status = check_passages(t, h, s, on_inner, on_outer)
     if status != DONE:
         return status
     s.counts[0] += 1
     s.initializing[0] = 0.0
-    roll(h, s.x, s.u, s.constants)
+    roll(h, s.x, s.u, behind, s.constants, e.ball_defect)
     hold_inputs(s.u, h)
     status = bearing_outputs(t + h, s, p, e)
     if e.skf_friction is not None and status == DONE:
@@ -281,7 +368,7 @@ def bearing_outputs(t, s, p, e):
     s.initializing[0] = 0.0
     speed = u[SPEED]
     place(x, speed, k, s, e)
-    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(speed, k, e.ball_inertia)
+    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(x, speed, k, e)
     if e.linearisation is not None and e.damping is not None:
         status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, u[5:10], e.damping.factor, s.damping, inertia)
     elif e.linearisation is not None:
@@ -314,6 +401,10 @@ def bearing_outputs(t, s, p, e):
         put_friction(y, u, sums, speed, p.pitch_diameter, e.friction, e.oil_friction, e.skf_friction)
     if e.ball_inertia is not None:
         put_inertia(y[e.ball_inertia.y :], s.balls, inertia)
+    if e.cage_slip is not None:
+        if u[e.cage_slip.u] < 0.0:
+            return NO_FLUID
+        put_slip(y[e.cage_slip.y :], x[x.size - 1], speed, k.cage_ratio, present_drive(u[e.cage_slip.u], s, p, e))
     if e.rating_life is not None:
         on_outer = s.balls[:, LOAD if e.ball_inertia is None else OUTER_LOAD]
         put_life(y, s.balls[:, LOAD], on_outer, speed, k, e.rating_life, e.life_factor)
@@ -360,7 +451,7 @@ def elastic_energy(s, e):
     """Energy of the contacts, J."""
     u = s.u[0]
     place(s.x, u[SPEED], s.constants, s, e)
-    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(u[SPEED], s.constants, e.ball_inertia)
+    contacts, inertia = present_contacts(u, s.contacts, e.thermal_growth), present_inertia(s.x, u[SPEED], s.constants, e)
     contact_forces(u[:5], contacts, s.balls, s.sums, None, None, None, None, inertia)
     return s.sums[ENERGY]
 

@@ -56,6 +56,11 @@ GROUPS = (  # ending of the signal's name, label, factor, offset
     ("power", "friction, W", 1.0, 0.0),
     ("conductance", "conductance, W/K", 1.0, 0.0),
 )
+SLIP_GROUPS = (
+    ("cage_slip.slip", "slip of the cage, %", 100.0, 0.0),
+    ("cage_slip.drive", "drive by the inner race, N.m", 1.0, 0.0),
+    ("cage_slip.power", "heat of slip and drag, W", 1.0, 0.0),
+)
 
 
 @dataclass(frozen=True)
@@ -113,8 +118,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     content: list[Block] = []
     for record in records:
         content += _of_one(result, record, f"{record.unit}: " if len(records) > 1 else "")
-    heat = heat_chart(result)
-    return [*content, draw_chart(heat)] if heat is not None else content
+    return [*content, *(draw_chart(chart) for chart in (heat_chart(result), slip_chart(result)) if chart is not None)]
 
 
 def _of_one(result: Result, record: BearingRecord, who: str) -> list[Block]:
@@ -156,7 +160,7 @@ def _turning(record: BearingRecord) -> str:
     text = f"Inner ring: {record.rotation:.4g}{hertz}"
     text += f" ({60.0 * record.rotation:.0f} rpm)" if hertz else ""
     if record.frequencies:
-        text += f"; a ball passes a place of the outer race with {record.frequencies['outer']:.4g}{hertz}"
+        text += f"; a ball passes a place of the outer race with {record.frequencies['outer']:.4g}{hertz}, {record.basis}"
     return text + "."
 
 
@@ -417,12 +421,26 @@ def recurrence_table(recurrence: Recurrence, record: BearingRecord, who: str = "
 
 def heat_chart(result: Result) -> Chart | None:
     """Recorded temperatures, changes of clearance, friction powers and conductances over time; None without a temperature."""
-    named = ((label, [n for n in result.columns if n.endswith(ending)], by, plus) for ending, label, by, plus in GROUPS)
-    panels = filled(
-        (label, [Series(n.replace("_", " "), result.time, by * np.asarray(result.columns[n], dtype=float) + plus) for n in names])
-        for label, names, by, plus in named
-    )
+    panels = _over_time(result, GROUPS)
     if not panels or not panels[0].y_label.startswith("temperature"):
         return None
     text = "Clearances are diametral; they fall where the shaft warms faster than the housing."
     return Chart("Heat", "time, s", panels, text)
+
+
+def slip_chart(result: Result) -> Chart | None:
+    """Recorded slip of cages, with what drives them and the heat, over time; None without a slip."""
+    panels = _over_time(result, SLIP_GROUPS)
+    if not panels or not panels[0].y_label.startswith("slip"):
+        return None
+    text = "Slip: the share by which the cage is slower than one whose balls roll on both races."
+    return Chart("Slip of the cage", "time, s", panels, text)
+
+
+def _over_time(result: Result, groups: Sequence[tuple[str, str, float, float]]) -> tuple[Panel, ...]:
+    """The recorded signals of each group, by the endings of their names."""
+    named = ((label, [n for n in result.columns if n.endswith(ending)], by, plus) for ending, label, by, plus in groups)
+    return filled(
+        (label, [Series(n.replace("_", " "), result.time, by * np.asarray(result.columns[n], dtype=float) + plus) for n in names])
+        for label, names, by, plus in named
+    )

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
 STEADY = 0.02  # relative change of a speed, below which it has frequencies
+SLIPS = "from the geometry and speed, without the slip of the cage", "from the speeds of shaft and cage"
 DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
 
 
@@ -37,7 +38,7 @@ class BearingRecord:
     signals: name as in the component -> (n,), those of `BEARING` that were recorded; an angle that after the transient stands
         or turns back, or was recorded less than four times a turn, is not among them.  measures: their units of measure.
     rotation: speed of the inner ring after the transient, turns per unit of time; NaN if it changes or was not recorded.
-    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.
+    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.  basis: what they follow from.
     defects: the races and balls that have a defect.
     """
 
@@ -48,6 +49,7 @@ class BearingRecord:
     measures: Mapping[str, str]
     rotation: float
     frequencies: Mapping[str, float]
+    basis: str
     balls: int
     defects: tuple[str, ...]
 
@@ -79,33 +81,45 @@ def _bearing(unit: RecordedUnit) -> BearingRecord:
     angles = {n: np.unwrap(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
     rate, time, signals = uniform(unit.time, *(values | angles).values())
     geometry = component.geometry
-    rotation = _rotation(unit, values, geometry.cage_ratio)
+    slips = "cage_slip" in component.on
+    rotation = _rotation(unit, values, None if slips else geometry.cage_ratio)
+    known = bool(np.isfinite(rotation) and rotation)
+    cage = _turns(values["cage_angle"][kept], unit.time[kept]) if known and slips and "cage_angle" in values else float("nan")
+    own = abs(cage) if np.isfinite(cage) and cage * rotation > 0.0 else None
     return BearingRecord(
         unit.name, time, rate,
         dict(zip(values | angles, signals, strict=True)),
         measures,
         rotation,
-        geometry.defect_frequencies(abs(rotation)) if np.isfinite(rotation) and rotation else {},
+        geometry.defect_frequencies(abs(rotation), own) if known else {},
+        SLIPS[own is not None] if slips else "from the geometry and speed",
         geometry.balls,
         tuple(name for effect, name in DEFECTS.items() if effect in component.on),
     )  # fmt: skip
 
 
-def _rotation(unit: RecordedUnit, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
-    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or was not recorded."""
+def _rotation(unit: RecordedUnit, values: Mapping[str, np.ndarray], cage_ratio: float | None) -> float:
+    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or was not recorded.
+
+    cage_ratio: the cage's speed over it; None of a cage that slips.
+    """
     kept = after_transient(unit.result)
-    time = unit.time[kept]
     for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):
-        if name in values:
-            turned = np.unwrap(values[name][kept]) / (ratio * TURN)
-            middle = turned.size // 2
-            halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1)) if time[b] > time[a]]
-            return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
+        if name in values and ratio is not None:
+            return _turns(values[name][kept], unit.time[kept]) / ratio
     speed = unit.optional("speed")
     if speed is None:
         return float("nan")
     turns = speed[kept] / TURN
     return _steady(turns, float(turns.mean()))
+
+
+def _turns(angle: np.ndarray, time: np.ndarray) -> float:
+    """Turns per unit of time of an angle; NaN where its halves differ."""
+    turned = np.unwrap(angle) / TURN
+    middle = turned.size // 2
+    halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1)) if time[b] > time[a]]
+    return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
 
 
 def _steady(speeds: np.ndarray, mean: float) -> float:

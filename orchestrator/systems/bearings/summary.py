@@ -43,9 +43,7 @@ def _rows(bearing: BearingRecord, begin: float) -> list[SummaryRow]:
         numbers.append(SummaryRow(f"{bearing.unit}.ball_load_max", load, unit, "largest load of a ball"))
     per_time = "Hz" if "m/s2" in bearing.measures.values() or "m" in bearing.measures.values() else "1"
     numbers += [
-        SummaryRow(
-            f"{bearing.unit}.{name}_frequency", bearing.frequencies[name], per_time, f"{text}, from the geometry and speed"
-        )
+        SummaryRow(f"{bearing.unit}.{name}_frequency", bearing.frequencies[name], per_time, f"{text}, {bearing.basis}")
         for name, text in LINES.items()
         if name in bearing.frequencies
     ]

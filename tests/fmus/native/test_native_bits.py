@@ -13,7 +13,7 @@ from cosimo.tests.short_run import ONE_A_SYSTEM, shipped_scenes
 OTHERS = [
     ("Catenary", ("gravity_sag", "line_table", "second_wire"), (("method", "implicit"), ("line_table.table", COMPOUND_OVERLAP))),
     ("Catenary", ("dropper_slackening", "moving_window", "gusts"), (("spans", 3), ("gusts.lift_coefficient", 0.2))),
-    ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ()),
+    ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness", "ball_inertia", "cage_slip"), ()),
 ]
 QUICK = ("PlanarLink",)
 IN_SCENES = {unit.component for scene in shipped_scenes().values() for unit in scene.units.values()}

@@ -113,7 +113,7 @@ FACTS: dict[str, Facts] = {
                     "friction",
                     "thermal_growth",
                 ),
-                *("rating_life", "life_factor", "ball_inertia", "oil_friction", "skf_friction"),
+                *("rating_life", "life_factor", "ball_inertia", "oil_friction", "skf_friction", "cage_slip"),
             ),
             {"diametral_clearance": 5e-6},
             20,
@@ -136,7 +136,8 @@ FACTS: dict[str, Facts] = {
             "thermal_growth.clearance_change": ({}, 1e-10),
         },
         # A film vanishes with the power 0.67 of its viscosity; linearisation, friction and life change no output of the bearing's own.
-        # Balls without inertia are those without the effect to rounding, not to the bit: see test_ball_inertia.
+        # Balls without inertia are those without the effect to rounding, not to the bit: see test_ball_inertia. A cage slips with any
+        # values, see test_cage_slip.
         structural=frozenset(
             {
                 "film",
@@ -148,6 +149,7 @@ FACTS: dict[str, Facts] = {
                 "rating_life",
                 "life_factor",
                 "ball_inertia",
+                "cage_slip",
             }
         ),
         form=frozenset(

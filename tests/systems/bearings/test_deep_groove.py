@@ -419,7 +419,7 @@ def test_ten_million_steps_do_not_drift():
 
     def many(x, n):
         for _ in range(n):
-            roll(h, x, u, k)
+            roll(h, x, u, 0.0, k, None)
 
     try:
         from numba import njit
