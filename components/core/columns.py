@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import BadInput, nearest
+from .errors import BadInput, counted, nearest
 from .files import read_bytes
 from .measure import OTHERWISE, bare_number, conversion_of, is_quantity, number_in, parse, plain
 
@@ -75,7 +75,7 @@ def table_of(text: str, where: str, separator: str = "", skipped: int = 0) -> Co
     for line, cells in rows:
         if len(cells) < len(header) or any(cell.strip() for cell in cells[len(header) :]):
             remedy = COMMAS if len(cells) > len(header) and separator == "," else ""
-            raise BadInput(f"{where}, line {line}", f"{len(cells)} cells", f"{len(header)}, as the header has", remedy)
+            raise BadInput(f"{where}, line {line}", f"{counted(len(cells), 'cell')}", f"{len(header)}, as the header has", remedy)
     parts = [name_and_unit(text) for text in header]
     if rows and _are_units(rows[0][1]) and not any(unit for _, unit in parts):
         below = [cell.strip().strip("[]()") for cell in rows.pop(0)[1]]

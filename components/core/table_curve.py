@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from .columns import Columns, table_of
-from .errors import BadInput
+from .errors import BadInput, counted
 from .kernels import kernel
 
 
@@ -50,7 +50,7 @@ def read_grid(
     if x.size != grid.size or np.isnan(grid).any() or min(grid.shape) < 2:
         raise BadInput(
             where,
-            f"{x.size} rows for {rows.size} values of {across[0]} and {columns.size} of {over[0]}",
+            f"{counted(x.size, 'row')} for {rows.size} values of {across[0]} and {columns.size} of {over[0]}",
             "a row for each pair of them, at least two of either",
         )
     return table, columns, rows, grid

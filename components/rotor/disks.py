@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.columns import table_of
 from ..core.component import Effect
-from ..core.errors import BadInput, nearest
+from ..core.errors import BadInput, counted, nearest
 from ..core.variables import parameter, text
 from .elements import Disk, solid_disk
 
@@ -66,7 +66,7 @@ def disks_of(table_text: str, where: str) -> np.ndarray:
     for k, (names, unit) in enumerate(COLUMNS.items()):
         there = [name for name in names if table.place(name) is not None]
         if len(there) != 1:
-            raise BadInput(where, f"{len(there)} columns of {names[0]}", "one", nearest(names[0], table.names))
+            raise BadInput(where, f"{counted(len(there), 'column')} of {names[0]}", "one", nearest(names[0], table.names))
         rows[:, k] = table.numbers(there[0], unit, asked=True)
     for (line, _), row in zip(table.rows, rows, strict=True):
         if not (np.all(row >= 0.0) and row[1:].sum() > 0.0):

@@ -143,7 +143,7 @@ def orbits(
             return Orbits(scene, "", tuple(shooting.signals), (Branch(forcing.multiple, [shooting.orbit(unknown)]),))
         values = [float(v) for v in over[1]]
         if len(values) < 2:
-            raise BadInput(shooting.where, f"{len(values)} values of {over[0]}", "two at least")
+            raise BadInput(shooting.where, f"{counted(len(values), 'value')} of {over[0]}", "two at least")
         branches: list[Branch] = []
         gaps: list[tuple[float, str]] = []
         for value in values:
@@ -159,7 +159,7 @@ def orbits(
         for branch in list(branches):
             _doubled(shooting, branch, branches, doublings, values)
         if not branches and not exponents:
-            raise BadInput(shooting.where, f"none at {len(gaps)} values of {over[0]}", "an orbit", gaps[0][1])
+            raise BadInput(shooting.where, f"none at {counted(len(gaps), 'value')} of {over[0]}", "an orbit", gaps[0][1])
         known = [(branch.multiple, branch.points) for branch in branches]
         regimes = tuple(motions(shooting, known, values, after, exponents)) if exponents else ()
         return Orbits(scene, over[0], tuple(shooting.signals), tuple(branches), tuple(gaps), regimes)

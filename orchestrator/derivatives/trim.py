@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...components.core.errors import BadInput, StepFailed, nearest
+from ...components.core.errors import BadInput, StepFailed, counted, nearest
 from ...components.core.measure import number_in
 from ..engine.algorithms import Master
 from ..output import write_table
@@ -146,7 +146,7 @@ def trim(
                     continue
             points.append((value, state))
         if not points:
-            raise BadInput(search.where, f"none at {len(refused)} values", "a steady state", refused[0][1])
+            raise BadInput(search.where, f"none at {counted(len(refused), 'value')}", "a steady state", refused[0][1])
         return SteadyStates(scene, over[0], tuple(points), tuple(refused))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, counted, nearest
 from ..scene.measured import FEWEST, positive, read_columns
 from ..scene.scene import Scene
 from ..settings.estimate import EstimateSettings, MeasuredSettings
@@ -97,5 +97,5 @@ def _given(
         raise BadInput(f"{where}: data", f"{values[k]:g} at {time[k]:g} s", "finite numbers, or NaN for a gap")
     kept = ~np.isnan(values)
     if kept.sum() < FEWEST:
-        raise BadInput(f"{where}: {one.signal}", f"{kept.sum()} numbers", f"{FEWEST} or more")
+        raise BadInput(f"{where}: {one.signal}", f"{counted(kept.sum(), 'number')}", f"{FEWEST} or more")
     return time[kept] - one.lag, one.scaled(values[kept])

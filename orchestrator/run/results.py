@@ -75,7 +75,7 @@ class Result:
         warnings = len(self.info.warnings)
         return (
             f"<Result of {self.scene.name}: {self.outcome}; {counted(self.rows, 'row')}{end}, "
-            f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>"
+            f"{counted(len(self.columns) + len(self.texts), 'signal')}{f', {warnings} warnings' if warnings else ''}>"
         )
 
     def _repr_html_(self) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...components.core.columns import EMPTY, Columns, read_table
 from ...components.core.component import Component
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, counted, nearest
 from ...components.core.variables import Causality, Kind
 
 FILE = re.compile(r"(.+\.(?:csv|tsv|txt))(?::(.*))?", re.IGNORECASE)
@@ -68,7 +68,7 @@ def _row(table: Columns, wanted: str) -> int:
         return 0
     named = table.texts(table.header[0])
     if named.count(wanted) != 1:
-        actual = f"{len(named)} rows" if not wanted else f"{named.count(wanted)} rows {wanted!r}"
+        actual = f"{counted(len(named), 'row')}" if not wanted else f"{counted(named.count(wanted), 'row')} {wanted!r}"
         raise BadInput(
             table.where, actual, "one row", f"Write {table.where}:{named[0] if named else 'row'}. " + nearest(wanted, named)
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...components.core.columns import Columns, read_table
-from ...components.core.errors import BadInput, decimal_point
+from ...components.core.errors import BadInput, counted, decimal_point
 from ...components.core.measure import conversion_of, is_quantity, number_in
 from ..settings.answers import FittedCurve
 from ..settings.case import CurveSettings
@@ -67,7 +67,7 @@ def read_columns(
         what = f"a number that does not rise: {x[k]:.9g} behind {x[k - 1]:.9g} of line {line[k - 1]}"
         raise BadInput(f"{path}, line {line[k]}, column {along[0]!r}", what, "rising numbers")
     if len(x) < FEWEST:
-        raise BadInput(str(path), f"{len(x)} lines of numbers", f"{FEWEST} or more")
+        raise BadInput(str(path), f"{counted(len(x), 'line')} of numbers", f"{FEWEST} or more")
     x, y = (x - settings.lag, settings.scaled(y)) if isinstance(settings, MeasuredSeries) else (x, settings.scale * y)
     return Measured(x, y, int((~kept).sum()), noise)
 

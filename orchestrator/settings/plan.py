@@ -31,7 +31,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
-from ...components.core.errors import BadInput, nearest, pick
+from ...components.core.errors import BadInput, counted, nearest, pick
 from .model import RANGE, Model, Number, Seconds, Truth, ranged
 from .ranges import OLD_STANDINGS, Range
 from .study import Quantities
@@ -178,7 +178,7 @@ class PlanSettings(Model):
                     )
         lengths = {name: len(axis.values) for name, axis in self.vary.items() if isinstance(axis, Choices)}
         if self.method == "list" and len(set(lengths.values())) > 1:
-            raise BadInput("vary", ", ".join(f"{n}: {k} values" for n, k in lengths.items()), "lists of one length")
+            raise BadInput("vary", ", ".join(f"{n}: {counted(k, 'value')}" for n, k in lengths.items()), "lists of one length")
         pairs = [frozenset(pair[:2]) for pair in self.correlation]
         for k, (first, second, r) in enumerate(self.correlation):
             if pairs[k] in pairs[:k]:

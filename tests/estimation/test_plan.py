@@ -190,7 +190,7 @@ def test_each_fault_of_a_plan_is_one_message(plan, words):
         ("time,position [mm]\n0.2,1\n0.1,2\n", "line 3, column 'time'.*does not rise"),
         ("time,position [kg]\n0.1,1\n", "kg"),
         ("time,place\n0.1,1\n", "no column 'position'"),
-        ("time,position\n0.1,1\n", "1 lines of numbers"),
+        ("time,position\n0.1,1\n", "1 line of numbers"),
     ],
 )
 def test_each_fault_of_a_file_is_one_message(folder, rows, words):

@@ -88,7 +88,7 @@ def test_a_failing_unit_leaves_a_partial_result(tmp_path):
 
 def test_a_result_is_shown_in_one_line():
     scene = {**PROBE, "units": {"p": {**PROBE["units"]["p"], "parameters": {"fail_at": 0.45}}}}
-    assert repr(run(read_scene(scene))).endswith(": failed; 5 rows to t = 0.4 s, 1 signals>")
+    assert repr(run(read_scene(scene))).endswith(": failed; 5 rows to t = 0.4 s, 1 signal>")
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should

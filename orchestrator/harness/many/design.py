@@ -10,7 +10,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ...output import write_table
 from ...scene.names import measure_of
 from ...scene.scene import Scene
@@ -93,7 +93,7 @@ class Design:
         """The best run, or the ends of a front."""
         ends = [self.front[0], self.front[-1]] if len(self.front) > 1 else list(self.front)
         units = {n: u if u != "1" else "" for n, u in self.units.items()}
-        lines = [f"<Design: {len(self.steps)} runs, {len(self.front) or 'none'} best>"]
+        lines = [f"<Design: {counted(len(self.steps), 'run')}, {len(self.front) or 'none'} best>"]
         for place in ends:
             step = self.steps[place]
             named = zip((*self.quantities, *self.names), (*step.quantities, *step.parameters), strict=True)

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ....components.core.store import replaced
 from ....fmus.versions import version
 from ...output import write_json, write_table
@@ -99,7 +99,9 @@ class Sweep:
     def __repr__(self) -> str:
         """Points, ranges, errors: one line each."""
         done = int(self.done.sum())
-        lines = [f"<Sweep of {self.scene.name}: {done} of {len(self.outcomes)} points done, {len(self.measures)} columns>"]
+        lines = [
+            f"<Sweep of {self.scene.name}: {done} of {len(self.outcomes)} points done, {counted(len(self.measures), 'column')}>"
+        ]
         for name, values in self.varied.items():
             several = values.dtype.kind not in "fiu" and ", ".join(dict.fromkeys(map(str, values)))
             unit = f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""

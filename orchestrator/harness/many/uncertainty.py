@@ -14,7 +14,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ...output import write_table
 from ...scene.scene import Scene
 from ...scene.tolerances import tolerances_of
@@ -228,10 +228,10 @@ def uncertainty(
     if runs.stopped is not None:
         return Uncertainty(runs, ())
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
-    origin, messages = f"{len(runs.outcomes)} samples", list[str]()
+    origin, messages = f"{counted(len(runs.outcomes), 'sample')}", list[str]()
     values: Mapping[str, np.ndarray] = {name: x[runs.done] for name, x in runs.measures.items()}
     if tried is not None:
-        judges = f"{len(tried.runs.outcomes)} runs, at the ends and at random, differ from first order"
+        judges = f"{counted(len(tried.runs.outcomes), 'run')}, at the ends and at random, differ from first order"
         so = "" if taken else ": all samples were run"
         messages = [f"{judges} by {100.0 * tried.rest:.2g} % of the standard deviation{so}"]
         if taken:
@@ -245,7 +245,9 @@ def spread(name: str, unit: str, values: np.ndarray) -> Spread:
     """Of values (n,), of which those that are not finite do not count."""
     x = np.sort(values[np.isfinite(values)])
     if x.size < FEWEST:
-        raise BadInput("uncertainty", f"{x.size} runs with {name!r}", f"{FEWEST} or more", "Look at the outcomes in sweep.csv.")
+        raise BadInput(
+            "uncertainty", f"{counted(x.size, 'run')} with {name!r}", f"{FEWEST} or more", "Look at the outcomes in sweep.csv."
+        )
     r = tolerance_rank(x.size)
     ends = (float(x[r - 1]), float(x[-r])) if r else (float("nan"), float("nan"))
     return Spread(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ...run.run_record import VerificationRecord
 from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
@@ -205,8 +205,8 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
         blocks.append(draw_chart(chart))
     ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
     lead = (
-        f"{len(sweep.outcomes)} runs of the scene {scene.name}. The file sweep.csv contains all numbers. Parameters that do not vary "
-        f"have the values of the scene: {scene.title or scene.name}."
+        f"{counted(len(sweep.outcomes), 'run')} of the scene {scene.name}. The file sweep.csv contains all numbers. "
+        f"Parameters that do not vary have the values of the scene: {scene.title or scene.name}."
     )
     settings: list[Block] = [Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
     trusted = Section("Numerical errors", sweeps.trust(sweep))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....components.core.errors import counted
 from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Series
 from ..charts.charts import draw_chart
@@ -61,7 +62,7 @@ def _strongest(answer: Sensitivity) -> str:
         best = max((i for i in answer.indices if i.quantity == quantity), key=lambda i: max(i.first, i.total))
         what = f"ST {number(best.total)}" if answer.method == "sobol" else f"mu* {number(best.first)}"
         parts.append(f"{quantity} depends most on {best.parameter} ({what})")
-    return "; ".join(parts) + f". {len(answer.sweep.outcomes)} runs." if parts else "No quantity changes."
+    return "; ".join(parts) + f". {counted(len(answer.sweep.outcomes), 'run')}." if parts else "No quantity changes."
 
 
 def _bars(

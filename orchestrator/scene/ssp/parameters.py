@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ....components.core.measure import bare_number
 from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, truth
 from .units_of_measure import Measure, definitions, named
@@ -193,7 +193,7 @@ def _values(node: etree._Element, name: str, measures: Mapping[str, Measure], wh
         if sizes and type_ != "String" and len(texts) == 1:
             texts = texts[0].split()
         if len(texts) != prod(sizes):
-            raise BadInput(where, f"{len(texts)} values of {name!r}", f"{prod(sizes)}, as its dimensions say")
+            raise BadInput(where, f"{counted(len(texts), 'value')} of {name!r}", f"{prod(sizes)}, as its dimensions say")
         indices = [f"[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in sizes))] if sizes else [""]
         yield from ((name + i, Value(type_, plain(type_, t, where), measure)) for i, t in zip(indices, texts, strict=True))
         return

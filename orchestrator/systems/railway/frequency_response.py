@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.columns import Columns, read_table
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, counted, nearest
 from ....components.core.measure import parse
 from ....components.core.store import replaced
 from ...harness.analysis.least_squares import Fit, fit
@@ -116,7 +116,7 @@ def read_response(path: str | Path) -> FrequencyResponse:
             f"{path}, line {table.rows[int(whole.argmin())][0]}", "a cell without a number", "numbers", "Leave the row out."
         )
     if f.size < FEWEST:
-        raise BadInput(str(path), f"{f.size} rows", f"at least {FEWEST} rows of numbers")
+        raise BadInput(str(path), f"{counted(f.size, 'row')}", f"at least {FEWEST} rows of numbers")
     if f[0] <= 0.0 or np.any(np.diff(f) <= 0.0):
         raise BadInput(f"{path}: frequency", "values that are not positive and rising", "a column frequency [Hz] that rises")
     if pair[0] == "magnitude" and (first <= 0.0).any():
@@ -294,7 +294,7 @@ def report(result: PantographFit, directory: str | Path) -> Path:
     )
     blocks: list[Block] = [draw_chart(chart), grid_table(grid), *([Text(result.messages, "warning")] if result.messages else [])]
     lead = (
-        f"{len(result.values) // 3} masses fitted to {f.size} lines from {f[0]:g} to {f[-1]:g} Hz: misfit "
+        f"{len(result.values) // 3} masses fitted to {counted(f.size, 'line')} from {f[0]:g} to {f[-1]:g} Hz: misfit "
         f"{100.0 * result.magnitude:.2g} % of the magnitude, {math.degrees(result.phase):.2g} degrees of the phase (rms)."
     )
     return write_page(

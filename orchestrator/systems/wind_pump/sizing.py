@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import gamma
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, counted
 from ....components.core.measure import number_in
 from ....components.wind_pump.averaged import AveragedConverter
 from ....components.wind_pump.centrifugal_pump import CentrifugalPump
@@ -162,7 +162,7 @@ def _one(scene: Scene, *classes: type) -> tuple[Any, Any]:
     named = [name for name, cls in scene.component_classes.items() if issubclass(cls, classes)]
     if len(named) != 1:
         names = " or ".join(cls.__name__ for cls in classes)
-        raise BadInput(scene.name, f"{len(named)} units {names}", "one", "As in the scene wind-pump-record.")
+        raise BadInput(scene.name, f"{counted(len(named), 'unit')} {names}", "one", "As in the scene wind-pump-record.")
     settings = scene.units[named[0]]
     component = scene.component_classes[named[0]](settings.effects, settings.parameters, preset=settings.preset)
     component.initialize(0.0)
