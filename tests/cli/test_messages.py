@@ -23,7 +23,10 @@ SUPPORTS = "position [m]; contact height [m]\n0;{0}\n50;{0}\n100;{0}\n150;{0}\n"
             "new line -- -x.toml supports.csv",
             "got '-x.toml', expected a name that no command takes for an option. As in ./-x.toml",
         ),
-        ("new line x.toml deep.csv", "deep.csv, line 2, column 'contact height': got -5 m, expected at least -1 m"),
+        (
+            "new line x.toml deep.csv",
+            "deep.csv, line 2, column 'contact height': got -5, expected a value in [-1, 20] m. Height of the contact wire above the rail",
+        ),
         ("run rotor-run-up --preset left=6205 --preset left=rows.csv:6306", "got left twice, expected each unit once"),
         ("sweep mass-on-spring --plan plan.toml -o out", "plan.toml: vary.spring.stiffness: got 3.0, expected a list of values"),
     ],

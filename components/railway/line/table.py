@@ -22,6 +22,10 @@ MOST_DROPPERS = 200  # of one span
 Number = Any  # a float, or None where the table leaves it out
 
 
+CONTACT_HEIGHTS = -1.0, 20.0  # m, of the heights that `HEIGHTS` says: lines of reference models give deviations
+HEIGHTS = "height of the contact wire above the rail, or a small deviation from a level that all supports share"
+
+
 def number(unit: str, text: str, low: float = -math.inf, high: float = math.inf) -> Any:
     """A number that may be left out."""
     return field(default=None, metadata={"kind": "number", "unit": unit, "text": text, "low": low, "high": high})
@@ -128,13 +132,13 @@ class Arm:
 class Support:
     """One support. Both wires are anchored at the first and the last one of a section."""
 
-    contact_height: Number = number("m", "height of the contact wire")
-    system_height: Number = number("m", "height of the messenger above the contact wire", 0.0)
+    contact_height: Number = number("m", HEIGHTS, *CONTACT_HEIGHTS)
+    system_height: Number = number("m", "height of the messenger above the contact wire", 0.0, 20.0)
     stiffness: Number = number("N/m", "vertical stiffness of the messenger's support", 0.0)
     damping: Number = number("N.s/m", "damping of the messenger's support", 0.0)
     held: bool | None = truth("the contact wire is at its height at rest; left out, it hangs free between the droppers")
     contact_stiffness: Number = number("N/m", "vertical stiffness that the contact wire meets there, beside that of an arm", 0.0)
-    stagger: Number = number("m", "lateral position of the contact wire")
+    stagger: Number = number("m", "lateral position of the contact wire", -5.0, 5.0)
     arm: Arm = table(Arm, "steady arm; its vertical stiffness follows from stagger, tension and geometry")
     stitch: Stitch = table(Stitch, "stitch wire at this support")
 

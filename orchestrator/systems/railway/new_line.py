@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from ....components.core.columns import read_table
 from ....components.core.errors import BadInput, pick
 from ....components.core.measure import number_in
 from ....components.railway.line.from_table import resolved_sections
-from ....components.railway.line.table import MOST_DROPPERS, read_line
+from ....components.railway.line.table import MOST_DROPPERS, Support, checked_number, read_line
 from ....components.railway.pantograph import Pantograph
 from ...scene.file_kinds import refuse_other
 from ...scene.files import read_text, read_toml
@@ -29,8 +30,7 @@ COLUMNS = {  # of the table of supports -> key of a support in a line's table, "
 }
 MAIN_DROPPERS = "It is the number of main droppers in the span from this support to the next one."
 TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
-LOWEST = -1.0  # m; of heights above the rail, and of deviations from a level, which lines of reference models give
-HEIGHTS = "It is a height above the rail, or a small deviation from a level that all supports share."
+BOUNDS = {field.name: field.metadata for field in fields(Support)}  # of a support, by the keys of a line's table
 START = 30.0  # m, of the last pantograph, at most half of the first span
 TRANSIENT = 1.0  # s, of the start at full speed
 CALM = 1.6  # times the way of the transient, before the first span that is judged: for runs at higher speeds, too
@@ -57,9 +57,9 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
     for i, (line, _) in enumerate(table.rows):
         cells = {name: values[i] for name, values in columns.items()}
         support: dict[str, Any] = {name: v if isinstance(v, str) else float(v) for name, v in cells.items() if v != "" and v == v}
-        if support.get("contact height", 0.0) < LOWEST:
-            actual = f"{support['contact height']:g} m"
-            raise BadInput(f"{path}, line {line}, column 'contact height'", actual, f"at least {LOWEST:g} m", HEIGHTS)
+        for name in ("contact height", "system height", "stagger"):
+            if name in support:
+                checked_number(BOUNDS[COLUMNS[name][0]], support[name], f"{path}, line {line}, column {name!r}")
         if "position" not in support:
             raise BadInput(f"{path}, line {line}", "no position", "the position of each support, m")
         if support.get("held", "yes").lower() not in TRUTHS:
@@ -227,7 +227,7 @@ def scene_text(
     ]
     origins = (" of preset ", " default:") if unit["preset"] else ()  # what a preset says, or leaves at rest, is no news
     taken = [line for line in _taken(unit) if not any(origin in line for origin in origins)]
-    return "\n".join(parts), [line.replace("  # ", " ") + "; stands in the scene" for line in taken]
+    return "\n".join(parts), [line.replace("  # ", " ") + "; until then the scene has this number" for line in taken]
 
 
 def _from(folder: Path, file: Path) -> str:
