@@ -30,6 +30,7 @@ INNER_GUIDE = 1
 STAGE = 1.0 - math.sqrt(0.5)  # share of a step that each stage solves for
 ITERATIONS = 100  # of Newton's method within a bracket; a dozen have been enough
 SETTLED = 1e-12  # of the speeds, behind which one more step leaves rounding
+AT_REST = 1e-9  # rad/s of the shaft, up to which a slip has no meaning
 DRIVEN = (*EVERYTHING, ".viscosity")
 
 
@@ -146,6 +147,6 @@ def put_slip(y, cage, speed, ratio, k):
     """The outputs of the effect; k: `CageDrive`."""
     behind = ratio * speed - cage
     drive, drag = k.grip * math.tanh(behind / k.sliding), oil_torque(cage, speed, k)
-    y[0], y[1] = cage, behind / (ratio * speed) if speed != 0.0 else 0.0
+    y[0], y[1] = cage, behind / (ratio * speed) if abs(speed) > AT_REST else 0.0
     y[2], y[3] = drive, drag
     y[4] = drive * behind + k.land * (cage - k.guided * speed) ** 2 + k.churn * abs(cage) ** 3
