@@ -359,8 +359,8 @@ def put_outputs(t, mesh, s, p, e):
     if e.wire_profile is not None:
         heights_around(u[IN.contact_position], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
     if e.line_profile is not None:
-        hung = y[e.line_profile.y : e.line_profile.y + 2 * PROFILE]
-        hung_around(u[IN.contact_position], q, mesh, hung[:PROFILE], hung[PROFILE:])
+        hung = y[e.line_profile.y : e.line_profile.y + 3 * PROFILE]
+        hung_around(u[IN.contact_position], q, mesh, s.plan.lanes, hung)
 
 
 # -- the kernels -------------------------------------------------------------------------------------------------------

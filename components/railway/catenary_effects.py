@@ -318,3 +318,10 @@ class LineProfile(Effect):
         size=PROFILE,
         feedthrough=("contact_position",),
     )
+    auxiliary_uplift = output(
+        "m",
+        "displacement of the auxiliary wire at the points of the profile, 0 without one",
+        nominal=0.05,
+        size=PROFILE,
+        feedthrough=("contact_position",),
+    )

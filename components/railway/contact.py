@@ -202,25 +202,31 @@ def heights_around(position, q, mesh, heights):
 
 
 @kernel
-def hung_around(position, q, mesh, messenger, tension):
-    """At points 1 m apart, `position` in the middle: displacement of the second lane, m, and the least tension of droppers near.
+def hung_around(position, q, mesh, lanes, hung):
+    """At points 1 m apart, `position` in the middle: what the contact wire hangs from, as `LineProfile` tells it.
 
-    tension: N, 0 where a dropper is slack and -1 where there is none; messenger, tension: (n,).
+    lanes: of a plan; hung: (3n,), displacement of the second lane, m, least tension of droppers near, N, 0 where one is slack and -1
+    where there is none, and displacement of the first auxiliary wire, m, 0 without one.
     """
-    n, W = mesh.position.size, mesh.bending_gradient.size
-    first = position - messenger.size // 2
+    n, W, points = mesh.position.size, mesh.bending_gradient.size, hung.size // 3
+    messenger, tension, auxiliary = hung[:points], hung[points : 2 * points], hung[2 * points :]
+    lane = 0
+    while lane < W and lanes[lane] >= 0:
+        lane += 1
+    first = position - points // 2
     i = element_at(min(max(first, 0.0), mesh.position[n - 1]), mesh)
     d = first_at_or_after(mesh.dropper, i)
-    for k in range(messenger.size):
+    for k in range(points):
         x = min(max(first + k, 0.0), mesh.position[n - 1])
         while i < n - 2 and mesh.position[i + 1] <= x:
             i += 1
         s = (x - mesh.position[i]) * mesh.inverse_length[W * i]
         messenger[k] = (1.0 - s) * q[W * i + 1] + s * q[W * i + W + 1]
+        auxiliary[k] = (1.0 - s) * q[W * i + lane] + s * q[W * i + W + lane] if lane < W else 0.0
         tension[k] = -1.0
     while d < mesh.dropper.size:
         k = int(mesh.position[mesh.dropper[d]] - first + 0.5)
-        if k >= tension.size:
+        if k >= points:
             break
         if k >= 0:
             pull = max(dropper_tension(d, q, mesh, None), 0.0)

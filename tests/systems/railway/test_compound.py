@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cosimo import BadInput
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.catenary_effects import PROFILE
 from cosimo.components.railway.contact import wire_height
 from cosimo.components.railway.line.dropper_table import with_droppers
 from cosimo.components.railway.line.form import find_form
@@ -15,7 +16,12 @@ from cosimo.components.railway.line.table import read_line
 from cosimo.components.railway.statics import Statics, elasticity
 from cosimo.components.railway.stiffness import stiffness_of_wires
 from cosimo.orchestrator import systems
+from cosimo.orchestrator.harness.analysis.signals import ButterworthFilter
+from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems.railway.figures.passage import passage_figure
 from cosimo.orchestrator.systems.railway.line import save, svg, text_drawing
+from cosimo.orchestrator.systems.railway.records import passages
+from cosimo.tests.scene_runs import finished
 from cosimo.tests.systems.railway.network import G, Network
 from scipy.linalg import eigh
 
@@ -30,6 +36,7 @@ droppers = { first = 2.5, gap = 5.0, stiffness = 150e3, contact_clamp = 0.165, m
 support = { system_height = 1.5, stiffness = 500e3 }
 spans = [50, 50, 50]
 """
+SIMPLE = COMPOUND.replace("auxiliary =", "# auxiliary =").replace("main_droppers =", "# main_droppers =")
 UNEVEN = COMPOUND.replace("50, 50, 50", "50, { length = 45, main_positions = [5, 20, 27.5, 40] }, 55").replace(
     "system_height = 1.5", "system_height = 1.5, contact_height = 5.0"
 )
@@ -281,10 +288,35 @@ def test_the_front_keeps_the_heights_under_two_pantographs():
     assert np.count_nonzero(moved) > 2 * np.count_nonzero(still)
 
 
+@pytest.mark.interpreted
+@pytest.mark.parametrize(("text", "lane"), [(COMPOUND, 2), (SIMPLE, None)])
+def test_the_profile_tells_of_the_auxiliary_wire(text, lane):
+    """Its own displacement at places 1 m apart, under a force; 0 without one."""
+    made = catenary(text, (*EFFECTS, "wire_profile", "line_profile"), force=150.0, element=2.5)
+    told = [made[f"line_profile.auxiliary_uplift[{k + 1}]"] for k in range(PROFILE)]
+    own = np.zeros(made.mesh.position.size) if lane is None else made.motion[0][lane::3]
+    assert told == pytest.approx(np.interp(15.0 + np.arange(PROFILE), made.mesh.position, own), abs=1e-15)
+    assert np.ptp(told) > 0.01 or lane is None
+
+
 def test_lines_without_an_auxiliary_wire_have_no_third_lane():
-    text = COMPOUND.replace("auxiliary = { tension = 14.7e3, mass = 1.375, height = 0.15 }", "")
-    text = text.replace("main_droppers = { first", "# = { first")
-    assert catenary(text).mesh.bending_gradient.size == 2
+    assert catenary(SIMPLE).mesh.bending_gradient.size == 2
     made = catenary(COMPOUND)
     assert made.mesh.bending_gradient.size == 3
     assert wire_height(75.0, made.motion[0], 0, made.mesh) == pytest.approx(made["wire_height"])
+
+
+@pytest.mark.full
+def test_the_passage_shows_the_auxiliary_wire_between_its_droppers():
+    """Where the run has recorded it; droppers end on the wires as they are now."""
+    result = finished(load_scene("compound-line"))
+    figure = passage_figure(result, passages(result)[0], ButterworthFilter()).figure
+    names, last = [trace["name"] for trace in figure["data"]], figure["frames"][-1]
+    now = {names[i]: trace for i, trace in zip(last["traces"], last["data"], strict=True)}
+    wire, at = now["auxiliary wire"], now["force now"]["x"][0]
+    assert np.ptp(result.snapshots["catenary.line_profile.auxiliary_uplift"].values[-1]) > 0.02  # m
+    x, ends = (np.array(now["dropper"][n], dtype=float).reshape(-1, 3) for n in "xy")
+    near = np.abs(x[:, 0] - at) < 50.0
+    off = np.abs(ends[near, :2] - np.interp(x[near, 0], wire["x"], wire["y"])[:, None]).min(axis=1)
+    assert near.sum() > 20
+    assert off.max() < 5e-3  # of either row: points of the wire, which is kinked there, are 1 m apart

@@ -11,7 +11,7 @@ from .....components.railway.line.form import Form
 from ....harness.analysis.records import RecordedUnit
 from ....harness.analysis.signals import ButterworthFilter, uniform
 from ....harness.charts.blocks import Figure
-from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axis, label, layout, line, tint, vertical
+from ....harness.charts.style import BLUE, GREEN, INK, MUTED, RAW, RULE, VERMILION, axis, label, layout, line, tint, vertical
 from ..records import Passage, Track, analysis_window, track_of
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ FRAMES = 60
 SYSTEM_HEIGHT = 1.2  # m, of the messenger's supports over a uniform line, which has none in the plane model (from memory)
 BELOW = 0.35  # m under the wire that are drawn
 WIDE = 900.0  # px of the panel on a usual page, for the scale in the caption
+ABOVE = (("auxiliary wire", GREEN, 1.8), ("messenger", INK, 1.6))
 PICTURE, LINE_SHARE = 560, 0.5  # px of the figure, share of it that the line has
 
 
@@ -43,6 +44,9 @@ def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter
     chosen = during[np.linspace(0, during.size - 1, min(FRAMES, during.size)).round().astype(int)]
     catenary: Any = RecordedUnit(result, passage.catenary).component
     form: Form = catenary.form()
+    displaced = {1: messenger}  # lane -> (k, m) m, of the wires above the contact wire that are seen to move
+    if form.layout.auxiliary_lanes and (auxiliary := result.snapshots.get(f"{passage.catenary}.line_profile.auxiliary_uplift")):
+        displaced[form.layout.auxiliary_lanes[0]] = auxiliary.values
     offset = 0.0 if "line_table" in catenary.on else SYSTEM_HEIGHT
     offsets = np.arange(contact.shape[1]) - contact.shape[1] // 2
     low, high = start + offsets[0], end + offsets[-1]
@@ -56,7 +60,6 @@ def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter
 
     def moving(k: int) -> list[dict[str, Any]]:
         place = at[k] + offsets
-        upper = np.interp(place, *rest(1)) + messenger[k]
         segments: dict[bool, tuple[list[float], list[float]]] = {False: ([], []), True: ([], [])}
         d = form.layout.droppers
         for position, low_end, top, bottom, length in zip(d.position, d.lower, d.upper, d.height, form.length, strict=True):
@@ -65,9 +68,11 @@ def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter
             cell = int(np.floor(position - place[0] + 0.5))
             seen = 0 <= cell < offsets.size and position >= place[0]
             slack = bool(seen and tension[k, cell] == 0.0)
-            head = bottom + length + offset + (np.interp(position, place, messenger[k]) if seen and top == 1 else 0.0)
-            on_contact_wire = low_end not in form.layout.auxiliary_lanes
-            foot = np.interp(position, place, contact[k]) if seen and on_contact_wire else bottom
+            shift = {lane: float(np.interp(position, place, of[k])) for lane, of in displaced.items() if seen}
+            head = bottom + length + offset + shift.get(top, 0.0)
+            foot = bottom + shift.get(low_end, 0.0)
+            if seen and low_end not in form.layout.auxiliary_lanes:
+                foot = np.interp(position, place, contact[k])
             xs, ys = segments[slack]
             xs += [position, position, np.nan]
             ys += [foot, head, np.nan]
@@ -84,7 +89,10 @@ def passage_figure(result: Result, passage: Passage, low_pass: ButterworthFilter
                 showlegend=False,
             ),
             line(place, contact[k], "contact wire", BLUE, 2.2, yaxis="y2"),
-            line(place, upper, "messenger", INK, 1.6, yaxis="y2"),
+            *(
+                line(place, np.interp(place, *rest(lane)) + of[k], *ABOVE[lane == 1], yaxis="y2")
+                for lane, of in displaced.items()
+            ),
             *(
                 line(*segments[slack], name, colour, width, yaxis="y2", hoverinfo="skip", hovertemplate=None)
                 for slack, name, colour, width in ((False, "dropper", MUTED, 1.2), (True, "slack dropper", VERMILION, 3.0))
