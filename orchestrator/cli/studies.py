@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, counted, pick
-from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
+from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
 from .completion import anything, scenes
 from .options import (
     COMPONENT,
@@ -330,6 +330,7 @@ def gradient(
     loaded = scene_of(scene, values, presets, {"stop_time": stop})
     with status_spinner("derivatives"):
         measured = find(loaded, of or None, listed("--by", by) or None, differences=differences)
+    warn(measured.remarks)
     written = [measured.save(output), for_gradient(measured, output)]
     if as_json:
         print(json.dumps(measured.to_json(), indent=2))

@@ -27,6 +27,7 @@ from ..run.run import run
 from ..scene.names import numerical_of, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
+from ..scene.sums import parts_alone
 from .along import AGREE, along, length
 from .tangent_block import TangentBlock
 from .tangent_run import TangentRows, beside, tangent_run
@@ -66,11 +67,13 @@ class Slope:
 
 @dataclass(frozen=True)
 class Gradient:
-    """Derivatives of figures by parameters, those that matter most first within each figure; refused: parameter -> reason."""
+    """Derivatives of figures by parameters, those that matter most first within each figure; refused: parameter -> reason. remarks:
+    which figures are of a part alone, such as one contact wire of two."""
 
     scene: Scene
     slopes: tuple[Slope, ...]
     refused: Mapping[str, str]
+    remarks: tuple[str, ...] = ()
 
     def __getitem__(self, names: tuple[str, str]) -> Slope:
         """That of a figure by a parameter; raises `BadInput` with the near names."""
@@ -97,7 +100,7 @@ class Gradient:
         """All of it as plain data; a number that is not finite is None."""
         cells = [{c: getattr(s, c) for c in COLUMNS} for s in self.slopes]
         plain = [{c: None if isinstance(v, float) and not isfinite(v) else v for c, v in row.items()} for row in cells]
-        return {"scene": self.scene.name, "derivatives": plain, "refused": dict(self.refused)}
+        return {"scene": self.scene.name, "derivatives": plain, "refused": dict(self.refused), "remarks": list(self.remarks)}
 
 
 def gradient(
@@ -114,22 +117,31 @@ def gradient(
     by: real parameters, and inputs that nothing drives; default: all.  differences: by runs with so large a relative change instead,
     for scenes that have no derivatives.  halved: errors by derivatives with half of all steps.  Raises `BadInput`, `StepFailed`.
     """
-    figures = _figures([of] if isinstance(of, str) else of)
+    of = [of] if isinstance(of, str) else of
+    figures = _figures(of)
     if differences:
-        return _by_differences(scene, figures, [by] if isinstance(by, str) else by, differences)
+        return _by_differences(scene, of, [by] if isinstance(by, str) else by, differences)
     with ExitStack() as stack:
         block = TangentBlock(scene, stack)
         names = [by] if isinstance(by, str) else block.parameters() if by is None else list(by)
         refused = numerical_of(scene, names)
         names = [n for n in names if n not in refused]
         at = {n: block.value(n) for n in names}
-        slopes = slopes_of(_run(scene), block, figures, names, at)
+        base = _run(scene)
+        slopes = slopes_of(base, block, figures, names, at)
     if halved and names:
         finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
         with ExitStack() as stack:
             again = slopes_of(_run(finer), TangentBlock(finer, stack), figures, names, at)
         slopes = {key: replace(s, error=SURE * abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
-    return Gradient(scene, _sorted(slopes.values()), refused)
+    return Gradient(scene, _sorted(slopes.values()), refused, alone(base, of))
+
+
+def alone(base: Result, of: Sequence[str] | Own | None) -> tuple[str, ...]:
+    """A sentence for each signal of these figures that is a part of a sum, where the rest is not zero in the run."""
+    names = () if of is None or callable(of) else [name.partition(",")[0].strip() for name in of]
+    known = [name for name in names if name in base.columns]
+    return tuple(parts_alone(base.scene, known, lambda name: base[name][after_transient(base)]))
 
 
 def _sorted(slopes: Any) -> tuple[Slope, ...]:
@@ -300,12 +312,13 @@ def _verdict(derivatives: Sequence[float], sides: np.ndarray, at: float, value: 
     return 0, f"a decision stands at its boundary; runs give {below:.4g} below and {above:.4g} above"
 
 
-def _by_differences(scene: Scene, figures: Measure, by: Sequence[str] | None, share: float) -> Gradient:
+def _by_differences(scene: Scene, of: Sequence[str] | Own | None, by: Sequence[str] | None, share: float) -> Gradient:
     """By runs on either side, whatever the units of the scene are; the error by half the distance."""
     if not by:
         raise BadInput(f"gradient of {scene.name}", "no parameters", "their names, where differences of runs are asked for")
     steps = {name: share * (abs(_value(scene, name)) or 1.0) for name in by}
-    return Gradient(scene, _sorted(by_differences(_run(scene), figures, steps).values()), {})
+    base = _run(scene)
+    return Gradient(scene, _sorted(by_differences(base, _figures(of), steps).values()), {}, alone(base, of))
 
 
 def by_differences(

@@ -59,11 +59,12 @@ class Function:
             raise BadInput("function", "no parameter or no figure", "one or more of both")
         self.start = (_start(scene, self._names) - self._scales[1]) / self._scales[0]
         scene = scene.with_changes({"study.quantities": ()}) if scene.study.quantities else scene
-        self._task = Task.of(scene, keep_for(self.figures, KeepSettings()), summarize)
+        self._task = Task.of(scene, keep_for(self.figures, KeepSettings()), summarize, self.figures)
         self._columns = [as_column(name) for name in self.figures]
         self._threads = threads
         self.reasons: tuple[str, ...] = ("",)
         self._units: tuple[str, ...] = ()
+        self._told: list[str] = []
         for name in self.figures:
             if "," in name:
                 wanted(name)  # says which kinds there are
@@ -108,6 +109,9 @@ class Function:
     def _learn(self, rows: Sequence[PointResult]) -> None:
         for row in rows:
             if row.outcome == "done":
+                if row.reason and row.reason not in self._told:  # of a figure that is a part alone, or not followed
+                    self._told.append(row.reason)
+                    warnings.warn(row.reason, stacklevel=3)
                 self._units = tuple(row.units.get(name, "") for name in self._columns)
 
     @property

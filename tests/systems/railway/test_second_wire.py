@@ -8,13 +8,17 @@ from cosimo.components.core.errors import nearest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.components.railway.statics import elasticity
+from cosimo.orchestrator.derivatives.gradient import alone
 from cosimo.orchestrator.harness.half_answers import half_answers
+from cosimo.orchestrator.harness.many.function import Function
+from cosimo.orchestrator.harness.many.measures import Task, row_of_result
 from cosimo.orchestrator.harness.summary import SummaryRow
 from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run.results import Result
 from cosimo.orchestrator.run.run_record import RunRecord
 from cosimo.orchestrator.scene.measured import Measured
 from cosimo.orchestrator.settings.case import CurveSettings
+from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import initialized
@@ -185,6 +189,23 @@ def test_a_figure_of_one_wire_alone_is_told(on_an_overlap, names, told):
     ]
     texts = half_answers(on_an_overlap, names, figures)
     assert [text.partition(" is only a part")[0] for text in texts] == told
+
+
+def test_a_slope_and_a_function_of_one_wire_alone_are_told(on_an_overlap):
+    (text,) = alone(on_an_overlap, ["pantograph.contact_force, mean"])
+    assert text.startswith("pantograph.contact_force is only a part: pantograph.second_wire.total_force (force on both wires)")
+    assert (
+        alone(on_an_overlap, ["pantograph.second_wire.total_force, mean", "pantograph.mean"]) == alone(on_an_overlap, None) == ()
+    )
+    scene = on_an_overlap.scene
+    task = Task.of(scene, KeepSettings(), lambda result: (), ["pantograph.contact_force, mean"])
+    row = row_of_result(on_an_overlap, replace(task, keep=KeepSettings(statistics=False, summary=False)))
+    assert (row.outcome, row.reason) == ("done", text)
+    function = object.__new__(Function)
+    function._told, function._columns = [], []
+    with pytest.warns(UserWarning, match="is only a part"):
+        function._learn([row, row])
+    assert function._told == [text]
 
 
 def test_a_misspelt_sum_is_not_answered_with_a_part():
