@@ -64,7 +64,7 @@ class Function:
         self._threads = threads
         self.reasons: tuple[str, ...] = ("",)
         self._units: tuple[str, ...] = ()
-        self._told: list[str] = []
+        self._warned: list[str] = []
         for name in self.figures:
             if "," in name:
                 wanted(name)  # says which kinds there are
@@ -109,8 +109,8 @@ class Function:
     def _learn(self, rows: Sequence[PointResult]) -> None:
         for row in rows:
             if row.outcome == "done":
-                if row.reason and row.reason not in self._told:  # of a figure that is a part alone, or not followed
-                    self._told.append(row.reason)
+                if row.reason and row.reason not in self._warned:  # of a figure that is a part alone, or not followed
+                    self._warned.append(row.reason)
                     warnings.warn(row.reason, stacklevel=3)
                 self._units = tuple(row.units.get(name, "") for name in self._columns)
 

@@ -160,7 +160,7 @@ def test_a_recorded_part_brings_its_sum():
 
 
 @pytest.mark.parametrize(("since", "alone"), [(0.0, False), (1.0, True)])
-def test_a_curve_of_one_wire_alone_is_told(on_an_overlap, since, alone):
+def test_a_curve_of_one_wire_alone_is_warned(on_an_overlap, since, alone):
     """Where both wires carry in the compared stretch; not where the second one is not touched there."""
     x = since + np.linspace(0.0, 1.9, 20)
     curve = CurveSettings(signal="pantograph.contact_force", file="train.csv", source="train", tolerances={"mean": 0.1})
@@ -182,7 +182,7 @@ def test_a_curve_of_one_wire_alone_is_told(on_an_overlap, since, alone):
         (["pantograph.both_wires.mean", "pantograph.contact_position, end"], []),
     ],
 )
-def test_a_figure_of_one_wire_alone_is_told(on_an_overlap, names, told):
+def test_a_figure_of_one_wire_alone_is_warned(on_an_overlap, names, told):
     figures = [
         SummaryRow("pantograph.both_wires.mean", 115.0, "N", "mean force"),
         SummaryRow("pantograph.mean", 100.0, "N", "mean force, of one wire alone", part=True),
@@ -191,7 +191,7 @@ def test_a_figure_of_one_wire_alone_is_told(on_an_overlap, names, told):
     assert [text.partition(" is only a part")[0] for text in texts] == told
 
 
-def test_a_slope_and_a_function_of_one_wire_alone_are_told(on_an_overlap):
+def test_a_slope_and_a_function_of_one_wire_alone_are_warned(on_an_overlap):
     (text,) = alone(on_an_overlap, ["pantograph.contact_force, mean"])
     assert text.startswith("pantograph.contact_force is only a part: pantograph.second_wire.total_force (force on both wires)")
     assert (
@@ -202,10 +202,10 @@ def test_a_slope_and_a_function_of_one_wire_alone_are_told(on_an_overlap):
     row = row_of_result(on_an_overlap, replace(task, keep=KeepSettings(statistics=False, summary=False)))
     assert (row.outcome, row.reason) == ("done", text)
     function = object.__new__(Function)
-    function._told, function._columns = [], []
+    function._warned, function._columns = [], []
     with pytest.warns(UserWarning, match="is only a part"):
         function._learn([row, row])
-    assert function._told == [text]
+    assert function._warned == [text]
 
 
 def test_a_misspelt_sum_is_not_answered_with_a_part():
