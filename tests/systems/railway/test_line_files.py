@@ -44,7 +44,9 @@ def test_a_crew_gets_every_dropper(path, tmp_path):
     assert all(float(r["length [m]"]) > float(r["cut length [m]"]) > 0.0 for r in rows)
     assert len(supports.read_text(encoding="utf-8").splitlines()) == form.support.size + 1
     picture = ET.parse(drawing).getroot()
-    assert len(picture.findall("{*}polyline")) == len(form.layout.supports) + form.length.size + len(form.layout.wires)
+    lateral = form.layout.lateral
+    in_plan = len(set(lateral[:, 0])) if lateral.size and lateral[:, 2].any() else 0  # contact wires, where they are staggered
+    assert len(picture.findall("{*}polyline")) == len(form.layout.supports) + form.length.size + len(form.layout.wires) + in_plan
     text = line.text_drawing(form, 100).splitlines()
     assert max(map(len, text)) <= 130
     assert sum(row.count("^") for row in text[-3:-2]) == form.layout.supports.size
