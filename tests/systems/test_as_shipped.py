@@ -10,18 +10,26 @@ from contextlib import suppress
 import pytest
 from cosimo import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.harness.validation.case import outcome
+from cosimo.orchestrator.harness.validation.case import Case, outcome
 from cosimo.orchestrator.harness.validation.questions import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, cases, load_scene, summary
 from cosimo.tests.commands import exit_code
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
+from cosimo.tests.systems.bearings.test_thermal_case import assert_another_route
+from cosimo.tests.systems.two_axis_joint.test_joint_cases import assert_plain_coupling_is_lost
+from cosimo.tests.systems.wind_pump.test_converter_case import assert_held_speeds_are_closer
 
 SHORTEST = min(shipped_scenes(), key=lambda name: price(shipped_scenes()[name]))
 UNDECIDED = ("passed", "unconfirmed", "undecided")
 SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
 WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its steps
+FURTHER = {  # what the findings of a case show beside its verdict; each case is computed once
+    "inertial-converter": assert_held_speeds_are_closer,
+    "link-split": assert_plain_coupling_is_lost,
+    "thermal-scaling": assert_another_route,
+}
 OUTSIDE = {  # papers whose rows are looked at one by one -> the measures of those outside, as their reviews say
     "paper-pantograph": {
         *("max.250", "min.250", "uplift_mm.250"),
@@ -97,7 +105,9 @@ def test_a_case_passes(name):
 
 @pytest.mark.full
 @pytest.mark.parametrize("name", sorted(cases()))
-def test_a_case_is_validated_by_its_command(name, tmp_path, capsys):
+def test_a_case_is_validated_by_its_command(name, tmp_path, capsys, monkeypatch):
+    found, findings = [], Case.findings
+    monkeypatch.setattr(Case, "findings", lambda *given: found.append(findings(*given)) or found[-1])
     done("validate", name, tmp_path, *([] if name in WITH_ERRORS else ["--no-verify"]))
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert len(page) > 10_000
@@ -111,3 +121,4 @@ def test_a_case_is_validated_by_its_command(name, tmp_path, capsys):
         assert {measures[row["quantity"], row["condition"]] for row in case["rows"] if not row["inside"]} == OUTSIDE[name]
     assert name not in WITH_ERRORS or any(row["error"] for row in case["rows"])
     assert "Traceback" not in capsys.readouterr().err
+    FURTHER.get(name, bool)(found[0])

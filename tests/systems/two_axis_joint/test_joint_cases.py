@@ -5,7 +5,6 @@ import pytest
 from cosimo.orchestrator.harness.validation import Options, Runs
 from cosimo.orchestrator.harness.validation.case import compare
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import link_split
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -54,12 +53,8 @@ def test_the_table_has_the_limit_of_held_forces():
     assert limit == pytest.approx(2e3 * DAMPING / STIFFNESS, rel=1e-3)
 
 
-@pytest.fixture(scope="module")
-def findings():
-    return cases()["link-split"].findings(Options(in_process=True))
-
-
-def test_plain_coupling_is_lost_where_the_iteration_is_not(findings):
+def assert_plain_coupling_is_lost(findings):
+    """Where the iteration is not."""
     _, table, _ = findings.charts
     last = {row[0]: row[-1] for row in table.rows}
     assert [kind for kind, text in last.items() if text != "lost"] == ["iterative, held"]
