@@ -74,7 +74,7 @@ def _object(text: str, width: int, ties: bool) -> bytes:
 
 
 def kept_object(make: Callable[[], bytes], *parts: str) -> bytes:
-    """An object file of derivatives, from the user's cache where one of the same parts has been made there."""
+    """An object file, from the user's cache where one of the same parts has been made there."""
     folder = private_folder("derivatives")
     name = store.digest_of(*parts, sources_digest(__file__), str(llvm.llvm_version_info))
     code = None if folder is None else store.read_kept(folder / f"{name}.o")

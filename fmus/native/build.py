@@ -134,9 +134,9 @@ def assembled(
         without = {f: {f"providesDirectionalDerivative{'s' * (f == 3)}": "false", **abilities.get(f, {})} for f in (2, 3)}
         abilities, slopes = without, NO_SLOPES
     texts = (*texts, slopes)
-    objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in {*compilers, "linux64"}}
+    objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in compilers}
     model_description = description(2, name, described, variables, "", abilities=abilities.get(2, {}))
-    digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), model_description)
+    digest = store.digest_of(*texts, tables(held, variables, ""), *_runtime(), model_description)
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(held, variables, token)
     binaries = {

@@ -386,7 +386,7 @@ def tangents_of(text: str, target: str, ties: bool = True) -> bytes:
     It is kept, for those of a master are the same for all scenes. ties: as of `fmus.derivatives.tangents`.
     """
     parts = text, f"1 {ties}", target, sources_digest(__file__)
-    return kept_object(lambda: _object(derived(text, 1, ties), TARGETS[target]), *parts)
+    return kept_object(lambda: _emitted(derived(text, 1, ties), TARGETS[target], "", ""), *parts)
 
 
 def _users(text: str, symbol: str, kernels: list[str]) -> str:
@@ -432,6 +432,12 @@ def object_code(text: str, target: str) -> tuple[bytes, ...]:
 
 
 def _object(text: str, target: Target, features: str = "", suffix: str = "") -> bytes:
+    """Kept, for units and masters of other scenes have the same: LLVM takes seconds over those of a line."""
+    parts = text, repr(target), features, suffix, sources_digest(__file__)
+    return kept_object(lambda: _emitted(text, target, features, suffix), *parts)
+
+
+def _emitted(text: str, target: Target, features: str, suffix: str) -> bytes:
     module = llvm.parse_assembly(widened(text) if target.short_pointers else text)
     machine = _machine(target, features)
     # Entries come optimized for x86-64; a second time takes seconds, and changes neither the numbers nor the speed.
