@@ -36,6 +36,7 @@ STATISTICS_AND_LAST: dict[str, Callable[[np.ndarray], Any]] = {**STATISTICS, "la
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
 CLOSE = 1e-9  # to a boundary, relative to the parameter: derivatives there are those of its side
 SAID = 0.05  # of a derivative: runs that resolve no more say nothing of one that counts
+ROUNDED = 1e-12  # of any signal: below stands what rounding leaves, such as the residual of a balance
 COUNTS = 1e-6  # of a figure: what the whole parameter moves it by at least, where that counts
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
@@ -236,8 +237,8 @@ def _recorded(base: Result, block: TangentBlock, rows: TangentRows) -> dict[str,
     if not np.allclose(rows.time[at], base.time, rtol=0.0, atol=1e-6 * base.scene.master.step):
         raise BadInput(where, "rows between macro steps", "record.interval as a multiple of master.step")
     for name, column in base.columns.items():
-        size = np.max(np.abs(column), initial=0.0)
-        if not np.allclose(rows.values[at, places[name]], column, rtol=1e-6, atol=1e-6 * size, equal_nan=True):
+        within = 1e-6 * np.max(np.abs(column), initial=0.0) + ROUNDED
+        if not np.allclose(rows.values[at, places[name]], column, rtol=1e-6, atol=within, equal_nan=True):
             raise BadInput(where, f"{name} of the run with derivatives is another one", "the same run", "Report this scene.")
     return {name: rows.tangents[at, places[name]] for name in base.columns}
 

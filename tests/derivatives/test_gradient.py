@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from types import SimpleNamespace
 
 import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.derivatives.gradient import _recorded
 from cosimo.orchestrator.scene.names import numerical_of
 from cosimo.tests.commands import exit_code
 
@@ -155,3 +157,16 @@ def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
     rows = list(csv.DictReader((tmp_path / "out" / "gradient.csv").read_text().splitlines()))
     assert [(row["figure"], row["parameter"], row["how"]) for row in rows] == [(FIGURE, "mass.mass", "exact")]
     assert "elasticity" in (tmp_path / "out" / "report.html").read_text()
+
+
+@pytest.mark.parametrize(("size", "other"), [(1e-15, False), (1e-9, True)])
+def test_a_residual_of_rounding_is_no_other_run(size, other):
+    """A signal that is what rounding leaves has other digits in machine code with tangents; one that says something has not."""
+    time, master = np.array([0.0, 1e-3]), SimpleNamespace(step=1e-3)
+    base = SimpleNamespace(time=time, columns={"a.residual": np.full(2, size)}, scene=SimpleNamespace(name="mine", master=master))
+    rows = SimpleNamespace(time=time, values=np.full((2, 1), 1.1 * size), tangents=np.zeros((2, 1, 1)))
+    if other:
+        with pytest.raises(BadInput, match=r"a\.residual of the run with derivatives is another one"):
+            _recorded(base, SimpleNamespace(signals=[("a", "residual")]), rows)
+    else:
+        assert _recorded(base, SimpleNamespace(signals=[("a", "residual")]), rows)["a.residual"].shape == (2, 1)

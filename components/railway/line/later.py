@@ -163,7 +163,8 @@ def tension_of(EA, held, excess, tension):
             high = middle
         else:
             low = middle
-    return high
+    # halving gives the number, but not its derivative: a step of Newton's method at the root gives both
+    return high - (high / EA - a / high**2 - held) / (1.0 / EA + 2.0 * a / high**3)
 
 
 @kernel

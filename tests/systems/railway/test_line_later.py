@@ -5,8 +5,9 @@ import csv
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import in_python
 from cosimo.components.railway.catenary import Catenary
-from cosimo.components.railway.line.later import line_at
+from cosimo.components.railway.line.later import line_at, tension_of
 from cosimo.components.railway.line.table import read_line
 from cosimo.orchestrator.cli.application import app
 from cosimo.tests.support import initialized
@@ -180,3 +181,20 @@ def test_the_command_gives_the_droppers_of_a_warm_line(tmp_path):
     done = CliRunner().invoke(app, ["railway", "line", str(file), "--temperature", "30"])
     assert isinstance(done.exception, BadInput)
     assert "automatic tensioning" in str(done.exception)
+
+
+class Held(complex):
+    """A complex number that others are compared with by their real parts."""
+
+    def __lt__(self, other):
+        return other.real > self.real
+
+
+@pytest.mark.parametrize(("by_held", "by_excess"), [(1e-30, 0.0), (0.0, 1e-30)])
+def test_a_tension_has_the_derivative_of_its_equation(by_held, by_excess):
+    """T / EA - e T0² / T² = held, by a complex step; halving between bounds has only the number, as of a wire that hardly sags."""
+    EA, T0, held, e = 18e6, 14.7e3, 7e-4, 3e-5
+    T = in_python(tension_of)(EA, Held(held, by_held), complex(e, by_excess), T0)
+    slope = 1.0 / (1.0 / EA + 2.0 * e * T0**2 / T.real**3)
+    assert T.real / EA - e * T0**2 / T.real**2 == pytest.approx(held, rel=1e-12)
+    assert T.imag / 1e-30 == pytest.approx(slope if by_held else slope * T0**2 / T.real**2, rel=1e-9)
