@@ -13,7 +13,7 @@ LONG_STITCH = """
 contact_wire = { tension = 20e3, mass = 1.35 }
 messenger = { tension = 20e3, mass = 1.0 }
 droppers = { stiffness = 1.0, contact_clamp = 0.0 }
-support = { system_height = 30.0, stiffness = 0.0 }
+support = { system_height = 20.0, stiffness = 0.0 }
 stitch = { half_length = 60.0, tension = 5e3, mass = 0.4 }
 spans = [{ length = 150.0, positions = [1.0] }, { length = 150.0, positions = [149.0] }]
 """
