@@ -18,7 +18,7 @@ from . import Recorded
 from .data import library
 
 SEPARATORS, DECIMALS = (",", ";", "\t"), (".", ",")
-SHEET_ROWS = 1_048_576  # of a sheet, with the header (specifications and limits of Excel)
+SHEET_ROWS, SHEET_COLUMNS = 1_048_576, 16_384  # of a sheet, with header and times (specifications and limits of Excel)
 MAT_BYTES = 2**31  # of a variable of MAT 5
 MAT_NAME = 63  # characters that MATLAB reads of a name
 COMMAS = 'Decimal commas need semicolons between the cells: --separator ";" --decimal ",".'
@@ -78,6 +78,8 @@ def _csv(file: IO[bytes], result: Recorded, names: list[str], separator: str, de
 def _xlsx(file: IO[bytes], result: Recorded, names: list[str], *_: str) -> None:
     if result.rows >= SHEET_ROWS:
         raise BadInput("export", f"{result.rows} rows", f"at most {SHEET_ROWS - 1} of a sheet", "Write .csv or .mat.")
+    if len(names) >= SHEET_COLUMNS:
+        raise BadInput("export", f"{len(names)} signals", f"at most {SHEET_COLUMNS - 1} of a sheet", "Name some, or write .csv.")
     book = library("openpyxl", "export").Workbook(write_only=True)
     from openpyxl.cell import WriteOnlyCell
 

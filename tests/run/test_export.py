@@ -97,6 +97,10 @@ def test_limits_of_formats_and_a_missing_library_are_said(masses, tmp_path, monk
     with pytest.raises(BadInput, match="less than 2 GB"):
         masses.export(tmp_path / "s.mat")
     monkeypatch.setattr(export, "SHEET_ROWS", 1000)
+    monkeypatch.setattr(export, "SHEET_COLUMNS", 3)
+    with pytest.raises(BadInput, match="signals, expected at most 2 of a sheet"):
+        masses.export(tmp_path / "s.xlsx")
+    monkeypatch.undo()
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(BadInput, match="pip install openpyxl"):
         masses.export(tmp_path / "s.xlsx")
