@@ -73,8 +73,8 @@ def _object(text: str, width: int, ties: bool) -> bytes:
     return kept_object(lambda: _compiled(derived(text, width, ties)), text, f"{width} {ties}", *machine)
 
 
-def kept_object(make: Callable[[], bytes], *parts: str) -> bytes:
-    """An object file, from the user's cache where one of the same parts has been made there."""
+def kept_object(make: Callable[[], bytes], *parts: str | bytes) -> bytes:
+    """An object file or a library, from the user's cache where one of the same parts has been made there."""
     folder = private_folder("derivatives")
     name = store.digest_of(*parts, sources_digest(__file__), str(llvm.llvm_version_info))
     code = None if folder is None else store.read_kept(folder / f"{name}.o")

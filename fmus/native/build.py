@@ -23,6 +23,7 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, pick
 from ...components.core.kernel_sources import sources_digest
 from ..build import write
+from ..derivatives.compiled import kept_object
 from ..derivatives.grammar import Unsupported
 from ..description import documentation, shared_files
 from ..evidence import Evidence
@@ -216,7 +217,12 @@ def compiler_version(target: str) -> str:
 
 
 def linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
-    """The library of a model's tables, object files and sources of the runtime, by the command of a compiler for the target."""
+    """The library of a model's tables, object files and sources of the runtime, by the command of a compiler for the target; kept."""
+    parts = name, *command, compiler_version(target), *FLAGS, *TARGETS[target].flags, *sources, model, *codes, *_runtime()
+    return kept_object(lambda: _linked(name, target, command, model, codes, sources), *parts)
+
+
+def _linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
     with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:
         objects = write_sources(Path(folder), model, codes)
         result = name + TARGETS[target].suffix

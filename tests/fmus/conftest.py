@@ -3,6 +3,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 
 import pytest
 from cosimo.fmus import build as builder
+from cosimo.fmus.native import build as native
 from cosimo.tests.fmus.driver import HERE, Driven
 from fmpy import extract
 
@@ -36,3 +37,12 @@ def new_probe(probe):
     yield make
     for unit in made:
         unit.free()
+
+
+@pytest.fixture
+def linked_anew(monkeypatch):
+    """No library comes from the cache: the list of what has been linked."""
+    linked, made = [], native._linked
+    monkeypatch.setattr(native, "_linked", lambda name, *rest: linked.append(name) or made(name, *rest))
+    monkeypatch.setattr(native, "kept_object", lambda make, *parts: make())
+    return linked

@@ -11,6 +11,7 @@ import fmpy
 import pytest
 from cosimo.components.catalogue import component_class
 from cosimo.fmus.interface import interface
+from cosimo.fmus.native import build
 from cosimo.fmus.native.build import library, own_target, pack
 from cosimo.tests.fmus.native.support import by_type, compiled, maker, opened, read
 from cosimo.tests.fmus.native.test_communication_steps import Host
@@ -46,11 +47,21 @@ def test_fmpy_finds_no_problems_and_simulates(name, version, tmp_path):
     assert (len(rows), rows["time"][-1]) == (26, pytest.approx(0.1))
 
 
-def test_two_builds_are_the_same_bytes(tmp_path):
+def test_two_builds_are_the_same_bytes(tmp_path, linked_anew):
     found = [library("WaterCurrent", maker("WaterCurrent", ["tide"]), [own_target()]) for _ in range(2)]
+    assert len(linked_anew) == 2
     for version in (2, 3):
         first, second = (pack(f, tmp_path / str(k), version).read_bytes() for k, f in enumerate(found))
         assert first == second
+
+
+def test_what_has_been_linked_is_linked_no_more(monkeypatch):
+    found = compiled(NAME)
+    monkeypatch.setattr(build, "_linked", lambda *_: pytest.fail("linked once more"))
+    assert library(NAME, maker(NAME), [own_target()]).binaries == found.binaries
+    monkeypatch.setattr(build, "FLAGS", (*build.FLAGS, "-g"))
+    with pytest.raises(pytest.fail.Exception, match="linked once more"):
+        library(NAME, maker(NAME), [own_target()])
 
 
 def test_variables_are_those_of_the_pythonfmu_fmu(tmp_path):

@@ -63,7 +63,7 @@ def test_products_and_sums_are_not_fused_for_arm(name):
 
 @pytest.mark.full
 @pytest.mark.skipif(find_spec("ziglang") is None, reason="needs the compiler of the extra `native`")
-def test_a_library_for_arm_is_small_and_reproducible():
+def test_a_library_for_arm_is_small_and_reproducible(linked_anew):
     first, second = (library(NAME, maker(NAME), ["linux-arm64"]) for _ in range(2))
     content = first.binaries["linux-arm64"]
     assert content == second.binaries["linux-arm64"]
@@ -78,7 +78,7 @@ def test_a_library_for_arm_is_small_and_reproducible():
 @pytest.mark.full
 @pytest.mark.skipif(find_spec("ziglang") is None, reason="needs the compiler of the extra `native`")
 @pytest.mark.parametrize(("target", "processor"), [("macos-arm64", 0x0100000C), ("macos-x64", 0x01000007)])
-def test_a_library_for_macos_is_built_and_called_never_run(target, processor, tmp_path):
+def test_a_library_for_macos_is_built_and_called_never_run(target, processor, tmp_path, linked_anew):
     first, second = (library(NAME, maker(NAME), [target]) for _ in range(2))
     content = first.binaries[target]
     assert content == second.binaries[target]
