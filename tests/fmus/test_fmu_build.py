@@ -45,16 +45,6 @@ def test_every_check_passes(name):
     assert [f.name for f in findings if "not offered" in f.detail] == ["evidence"]  # which it was not built with
 
 
-def test_built_keeps_the_file_by_content(tmp_path, monkeypatch):
-    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path))
-    first = built("Pantograph")
-    stamp = first.stat().st_mtime_ns
-
-    assert first.is_relative_to(tmp_path)
-    assert built("Pantograph") == first
-    assert first.stat().st_mtime_ns == stamp
-
-
 def test_an_unknown_name_is_answered_with_the_near_one(tmp_path):
     with pytest.raises(BadInput, match="Pantograph"):
         build("Pantgraph", tmp_path)
