@@ -218,8 +218,8 @@ def compiler_version(target: str) -> str:
 
 def linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
     """The library of a model's tables, object files and sources of the runtime, by the command of a compiler for the target; kept."""
-    parts = name, *command, compiler_version(target), *FLAGS, *TARGETS[target].flags, *sources, model, *codes, *_runtime()
-    return kept_object(lambda: _linked(name, target, command, model, codes, sources), *parts)
+    words = name, *command, compiler_version(target), *FLAGS, *TARGETS[target].flags, *sources, model
+    return kept_object(lambda: _linked(name, target, command, model, codes, sources), *words, *codes, *_runtime())
 
 
 def _linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:

@@ -39,7 +39,7 @@ CASES = {
     "located events": lambda: two(events=["a.x_out"]),
     "energy account": lambda: two(bonds=["a.v_out * b.force"]),
     "a unit with a rate of its own": slow_unit,
-    "currents follow voltages": lambda: shipped("friction-drive-preload", 40),
+    "currents follow voltages": lambda: shipped("friction-drive-preload", 20),
     "accelerations follow forces": lambda: shipped("rov-station-keeping", 20),
     "torques follow links": lambda: shipped("link-split", 20),
     "a spring alone": lambda: shipped("mass-on-spring", 40),
