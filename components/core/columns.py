@@ -26,6 +26,7 @@ from .measure import OTHERWISE, bare_number, conversion_of, is_quantity, number_
 
 EMPTY = ("", "nan", "n/a", "na", "-")  # cells without a number, as loggers write them
 COMMAS = "Decimal commas need semicolons between the cells."
+CLOCK = "Dates and times of a clock are not read: write seconds since the start."
 SHORT = ("in", "min")  # ends of names that are no units: input, minimum
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}")  # of a number whose sign may be one of thousands, or of decimals
 _NO_TEXT = re.compile("[\x00-\x08\x0e-\x1a\x1c-\x1f]")
@@ -187,7 +188,7 @@ class Columns:
         try:
             value = bare_number(cell.replace(",", ".") if self.separator != "," else cell)
         except ValueError:
-            remedy = COMMAS if "," in cell and self.separator == "," else ""
+            remedy = CLOCK if ":" in cell else COMMAS if "," in cell and self.separator == "," else ""
             raise BadInput(
                 where, repr(cell)[:80], "a number" + (f" in {unit}" if unit not in ("", "1") else ""), remedy
             ) from None

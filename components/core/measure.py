@@ -164,7 +164,7 @@ def conversion_of(
         raise BadInput(where, shown, wanted, remedy) from None
 
 
-_WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d_.,+*/-].*?)\s*")
+_WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d_.,:+*/-].*?)\s*")
 _SIGNS = {"°C": "degC", "°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "·": ".", "*": ".", "^": "", "Ω": "Ohm", " ": "."}
 
 

@@ -52,11 +52,11 @@ def estimate(
     """
     wanted, where, folder = plan_of(plan, folder)
     measured = measurements_of(wanted, scene, folder, data or {}, where)
+    span, own = measured.time[-1] - scene.start_time, scene.stop_time - scene.start_time
+    if span > FAR * own:
+        say(f"measurements end after {span:g} s, the scene after {own:g} s: are their times in ms? Then write 'time [ms]'")
     with ExitStack() as stack:
         course = Record(scene, wanted, measured, stack, where, threads=threads)
-        span, own = measured.time[-1] - scene.start_time, scene.stop_time - scene.start_time
-        if span > FAR * own:
-            say(f"measurements end after {span:g} s, the scene after {own:g} s: are their times in ms? Then write 'time [ms]'")
         for text in course.observable.texts:
             say(text)
         answer = course.answer()

@@ -62,6 +62,8 @@ def test_an_element_of_an_array_has_no_unit_and_empty_cells_no_number():
             r"line 2, column 'x \[m\]': got '28.100' beside '7,94' in line 2.*Write 28100 or 28,100: .* 1000",
         ),
         ("x [m];y\n28,100;1\n1;7.94\n", r"'28,100' beside '7.94' in line 3.*Write 28100 or 28.100"),
+        ("x [m]\n2026-01-01T00:00:01\n", "expected a number in m. Dates and times of a clock are not read"),
+        ("x [m]\n00:00:01.5\n", "line 2, .*'00:00:01.5', expected a number in m. Dates and"),
         ("x [m]\n1_1\n", "line 2, column .* got '1_1', expected a number in m"),
         ("x [1000 m]\n1\n", r"column 'x \[1000 m\]': .* expected factors.*A unit has no number"),
         ("x [10^3 m]\n1\n", r"column 'x \[10\^3 m\]': .* expected factors.*A unit has no number"),
