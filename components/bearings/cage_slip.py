@@ -56,7 +56,7 @@ class CageSlip(Effect):
     )
     start_slip = parameter(0.0, "1", "slip at the start; 1: cage at rest", low=0.0, high=1.0)
 
-    viscosity = input_(0.03, "Pa.s", "viscosity of the oil at the guiding faces", nominal=0.1)
+    viscosity = input_(0.03, "Pa.s", "viscosity of the oil at the guiding faces", nominal=0.02)
 
     cage_speed = output("rad/s", "speed of the cage", nominal=10.0)
     slip = output("1", "share by which the cage is slower than without slip; 0 at rest", feedthrough=("speed",))

@@ -165,7 +165,7 @@ class DeepGrooveBearing(KernelComponent):
     system = "bearings"
     counters = ("steps",)
     default_step = 1e-4
-    start_inputs = ()
+    start_inputs = ("speed",)  # a cage that slips starts with a share of it
     ports = {
         "shaft": (  # what a rotor with a bearing's port gives and takes; the loads without a tangent are own signals
             "displacement_x",

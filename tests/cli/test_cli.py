@@ -137,7 +137,6 @@ def test_run_writes_its_results(scene, tmp_path, capsys):
         ("--set", "pantograph.speed", "unit.parameter=value"),
         ("--set", "pantograf.speed=1", "'pantograph'"),
         ("--step", "0", "master.step"),
-        ("--step", "nan", "master.step"),
         ("--stop", "-1", "stop_time"),
         ("--algorithm", "newton", "'jacobi'"),
     ],

@@ -176,7 +176,8 @@ def test_impossible_steps_are_refused_at_once(step, tmp_path, capsys):
     """--stepSize=0 that hung or dumped core: https://github.com/OpenModelica/OMSimulator/issues/1622"""
     scene = toml(tmp_path / "s.toml", 'stop_time = 1.0\nunits.p.component = "cosimo.tests.support:Probe"\nmaster.step = 0.1\n')
     assert exit_code("run", scene, "--in-process", "--step", step) == 2
-    assert "master.step" in capsys.readouterr().err
+    named = "'--step'" if step in ("nan", "inf") else "master.step"  # no numbers of a time for the option itself
+    assert named in capsys.readouterr().err
 
 
 def test_a_ball_that_bounces_ever_faster_comes_to_an_end(tmp_path, capsys):
