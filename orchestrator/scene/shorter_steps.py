@@ -55,21 +55,21 @@ class MadeRun(NamedTuple):
 _inside: ContextVar[tuple[Alterations, list[MadeRun] | None]] = ContextVar("runs inside", default=(Alterations(), None))
 
 
-def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
-    """Place in the scene -> value, of a parameter of this name in every component that has and uses it."""
-    components = {
-        name: make(name, scene.units[name]) for name, cls in scene.component_classes.items() if parameter in cls.variables
-    }
-    return {
-        f"{name}.{parameter}": float(component.get(parameter))
-        for name, component in components.items()
-        if not component.unused([parameter])
-    }
+def numbers_in_use(scene: Scene, parameter: str, *, of_effects: bool = False) -> dict[str, float]:
+    """Place in the scene -> value, of a parameter of this name in every component that has and uses it; of its effects that are on, too."""
+    found: dict[str, float] = {}
+    for unit, cls in scene.component_classes.items():
+        names = [n for n in cls.variables if n == parameter or (of_effects and n.partition(".")[2] == parameter)]
+        if names:
+            component = make(unit, scene.units[unit])
+            present = [n for n in names if n == parameter or n.partition(".")[0] in component.on]
+            found |= {f"{unit}.{n}": float(component.get(n)) for n in present if not component.unused([n])}
+    return found
 
 
 def substeps(scene: Scene) -> dict[str, float]:
-    """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
-    return numbers_in_use(scene, "substep")
+    """Place in the scene -> internal step, s, of every component, or effect, that integrates with a parameter `substep`."""
+    return numbers_in_use(scene, "substep", of_effects=True)
 
 
 def late_samples(scene: Scene) -> list[str]:
@@ -91,10 +91,9 @@ def late_samples(scene: Scene) -> list[str]:
     return texts
 
 
-def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
-    """The changes to `factor` times the internal steps of all units, or of one, and the motion at which parts at rest begin to move."""
-    places = substeps(scene) | numbers_in_use(scene, "front_threshold")
-    return {place: value * factor for place, value in places.items() if not unit or place.rpartition(".")[0] == unit}
+def refined(scene: Scene, factor: float) -> dict[str, Any]:
+    """The changes to `factor` times the internal steps of all units, and the motion at which parts at rest begin to move."""
+    return {place: value * factor for place, value in (substeps(scene) | numbers_in_use(scene, "front_threshold")).items()}
 
 
 def meshes(scene: Scene) -> dict[str, float]:

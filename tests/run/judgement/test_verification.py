@@ -286,6 +286,18 @@ def test_the_error_of_internal_steps_is_in_the_number(substep):
     assert rough.info.verification.inside == {"chain.substep": substep}
 
 
+def test_internal_steps_of_an_effect_are_halved_too():
+    """A winding makes two internal steps in a macro step: half of the macro step alone changed nothing, and the error was told as 0."""
+    winding = {"component": "TorqueMotor", "effects": ["inductance"], "parameters": {"voltage": 5.0}}
+    scene = read_scene(
+        {"stop_time": 2e-3, "units": {"m": winding}, "master": {"step": 4e-4}, "record": {"signals": ["m.current"]}}, "s"
+    )
+    result = cosimo.run(scene, in_process=True)
+    wrong = result["m.current"] - 2.5 * (1.0 - np.exp(-2000.0 * result.time))
+    said = result.info.verification.signals["m.current"].rms * result["m.current"].std()
+    assert 1e-5 < np.sqrt(np.mean(wrong**2)) <= 2.0 * said
+
+
 def test_a_warning_names_the_steps_that_make_the_error():
     scene = load_scene("double-pendulum").with_changes({"stop_time": 8.0, "master.step": 0.04, "chain.substep": 1e-2})
     text, *_ = cosimo.run(scene, in_process=True).info.warnings
