@@ -57,14 +57,14 @@ _inside: ContextVar[tuple[Alterations, list[MadeRun] | None]] = ContextVar("runs
 
 def numbers_in_use(scene: Scene, parameter: str, *, of_effects: bool = False) -> dict[str, float]:
     """Place in the scene -> value, of a parameter of this name in every component that has and uses it; of its effects that are on, too."""
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for unit, cls in scene.component_classes.items():
         names = [n for n in cls.variables if n == parameter or (of_effects and n.partition(".")[2] == parameter)]
         if names:
             component = make(unit, scene.units[unit])
             present = [n for n in names if n == parameter or n.partition(".")[0] in component.on]
-            found |= {f"{unit}.{n}": float(component.get(n)) for n in present if not component.unused([n])}
-    return found
+            numbers |= {f"{unit}.{n}": float(component.get(n)) for n in present if not component.unused([n])}
+    return numbers
 
 
 def substeps(scene: Scene) -> dict[str, float]:
