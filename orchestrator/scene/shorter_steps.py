@@ -56,7 +56,7 @@ _inside: ContextVar[tuple[Alterations, list[MadeRun] | None]] = ContextVar("runs
 
 
 def numbers_in_use(scene: Scene, parameter: str, *, of_effects: bool = False) -> dict[str, float]:
-    """Place in the scene -> value, of a parameter of this name in every component that has and uses it; of its effects that are on, too."""
+    """Place in the scene -> value, of a parameter of this name in every component that uses it; `of_effects`: in an effect, too."""
     numbers: dict[str, float] = {}
     for unit, cls in scene.component_classes.items():
         names = [n for n in cls.variables if n == parameter or (of_effects and n.partition(".")[2] == parameter)]

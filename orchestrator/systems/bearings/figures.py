@@ -6,7 +6,7 @@ Read from [analysis], beside what `bearings.records` says: section = { signal, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -50,17 +50,25 @@ STATES = 1200  # quantified
 DRAWN = 500  # in the picture
 ICE = 273.15  # K
 SHOWN = {"m": (1e6, "µm"), "m/s": (1e3, "mm/s"), "m/s2": (1.0, "m/s²"), "N": (1.0, "N")}
-GROUPS = (  # ending of the signal's name, label, factor, offset
-    ("temperature", "temperature, °C", 1.0, -ICE),
-    ("clearance_change", "change of clearance, µm", 1e6, 0.0),
-    ("power", "friction, W", 1.0, 0.0),
-    ("conductance", "conductance, W/K", 1.0, 0.0),
-)
-SLIP_GROUPS = (
-    ("cage_slip.slip", "slip of the cage, %", 100.0, 0.0),
-    ("cage_slip.drive", "drive by the inner race, N.m", 1.0, 0.0),
-    ("cage_slip.power", "heat of slip and drag, W", 1.0, 0.0),
-)
+OVER_TIME = {  # title -> groups of signals, of which the first has to be there: ending of the name, label, factor, offset; a text
+    "Heat": (
+        (
+            ("temperature", "temperature, °C", 1.0, -ICE),
+            ("clearance_change", "change of clearance, µm", 1e6, 0.0),
+            ("power", "friction, W", 1.0, 0.0),
+            ("conductance", "conductance, W/K", 1.0, 0.0),
+        ),
+        "Clearances are diametral; they fall where the shaft warms faster than the housing.",
+    ),
+    "Slip of the cage": (
+        (
+            ("cage_slip.slip", "slip of the cage, %", 100.0, 0.0),
+            ("cage_slip.drive", "drive by the inner race, N.m", 1.0, 0.0),
+            ("cage_slip.power", "heat of slip and drag, W", 1.0, 0.0),
+        ),
+        "Slip: the share by which the cage is slower than one whose balls roll on both races.",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -118,7 +126,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     content: list[Block] = []
     for record in records:
         content += _of_one(result, record, f"{record.unit}: " if len(records) > 1 else "")
-    return [*content, *(draw_chart(chart) for chart in (heat_chart(result), slip_chart(result)) if chart is not None)]
+    return [*content, *map(draw_chart, charts_over_time(result))]
 
 
 def _of_one(result: Result, record: BearingRecord, who: str) -> list[Block]:
@@ -419,22 +427,12 @@ def recurrence_table(recurrence: Recurrence, record: BearingRecord, who: str = "
     return Cells(f"{who}Measures of recurrence", ("measure", "", "value", "unit"), rows, text, frozenset({2}))
 
 
-def heat_chart(result: Result) -> Chart | None:
-    """Recorded temperatures, changes of clearance, friction powers and conductances over time; None without a temperature."""
-    panels = _over_time(result, GROUPS)
-    if not panels or not panels[0].y_label.startswith("temperature"):
-        return None
-    text = "Clearances are diametral; they fall where the shaft warms faster than the housing."
-    return Chart("Heat", "time, s", panels, text)
-
-
-def slip_chart(result: Result) -> Chart | None:
-    """Recorded slip of cages, with what drives them and the heat, over time; None without a slip."""
-    panels = _over_time(result, SLIP_GROUPS)
-    if not panels or not panels[0].y_label.startswith("slip"):
-        return None
-    text = "Slip: the share by which the cage is slower than one whose balls roll on both races."
-    return Chart("Slip of the cage", "time, s", panels, text)
+def charts_over_time(result: Result) -> Iterator[Chart]:
+    """Recorded temperatures with clearances and powers, and slip of cages with what drives them, over time."""
+    for title, (groups, text) in OVER_TIME.items():
+        panels = _over_time(result, groups)
+        if panels and panels[0].y_label == groups[0][1]:
+            yield Chart(title, "time, s", panels, text)
 
 
 def _over_time(result: Result, groups: Sequence[tuple[str, str, float, float]]) -> tuple[Panel, ...]:

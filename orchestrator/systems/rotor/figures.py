@@ -17,7 +17,7 @@ from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series
 from ...harness.charts.charts import draw_chart
 from ...run.key_results import after_transient
-from ..bearings.figures import heat_chart
+from ..bearings.figures import charts_over_time
 from ..bearings.records import STEADY, since
 from . import RotorKeys
 from .records import RotorRecord, rotors
@@ -43,8 +43,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures of every rotor of a run whose speed was recorded; none without one."""
     records = rotors(result)
     content = [b for record in records for b in _of_one(result, record, f"{record.unit}: " if len(records) > 1 else "")]
-    heat = heat_chart(result)
-    return [*content, draw_chart(heat)] if heat is not None else content
+    return [*content, *map(draw_chart, charts_over_time(result))]
 
 
 def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:

@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.charts.charts import DRAWN_DOTS, draw_chart
 from cosimo.orchestrator.harness.charts.style import DARK
 from cosimo.orchestrator.harness.report.bifurcation import bifurcation_chart, section_panel
 from cosimo.orchestrator.harness.report.page import Page, write_page
-from cosimo.orchestrator.systems.bearings.figures import heat_chart
+from cosimo.orchestrator.systems.bearings.figures import charts_over_time
 
 
 def drawn(*panels, **more):
@@ -116,10 +116,11 @@ def test_bifurcation_diagram_has_every_point_at_its_parameter_and_its_exponent()
 def test_heat_is_shown_where_temperatures_are_recorded():
     t = np.array([0.0, 1.0])
     columns = {"a.inner_temperature": np.array([293.15, 303.15]), "a.clearance_change": np.array([0.0, -5e-6])}
-    chart = heat_chart(SimpleNamespace(time=t, columns=columns))
+    (chart,) = charts_over_time(SimpleNamespace(time=t, columns=columns))
+    assert chart.title == "Heat"
     assert chart.panels[0].series[0].y == pytest.approx([20.0, 30.0])
     assert chart.panels[1].series[0].y == pytest.approx([0.0, -5.0])
-    assert heat_chart(SimpleNamespace(time=t, columns={"a.clearance_change": t})) is None
+    assert list(charts_over_time(SimpleNamespace(time=t, columns={"a.clearance_change": t}))) == []
 
 
 def test_dark_paper_has_another_colour_for_every_one_of_light_paper(tmp_path):
